@@ -1,5 +1,7 @@
 # The only two commands a newcomer needs: make demo, make test.
-PYTHON ?= python3.11
+# The first of these that is there; the redirection makes make ask a shell.
+PYTHON ?= $(notdir $(firstword $(foreach version,3.11 3.12 3.13, \
+	$(shell command -v python$(version) 2> /dev/null)) python3))
 BIN := .venv/bin
 # Bytecode is kept, whatever the shell's environment says: without it every start of the
 # command compiles its libraries anew, and the tests start it some hundred times.
@@ -11,14 +13,17 @@ unexport MAKEFLAGS
 # Bytecode of all libraries takes half a minute, and most are never imported.
 INSTALL := $(BIN)/pip install --quiet --no-compile
 # A list of requirements of pyproject.toml, such as project.dependencies, as arguments.
-REQUIRED = $$($(BIN)/python -c "import sys, tomllib; \
-	table, key = sys.argv[1:]; \
-	print(*tomllib.load(open('pyproject.toml', 'rb'))[table][key])" $(1))
+REQUIRED = $$($(BIN)/python -c "import functools, sys, tomllib; \
+	found = tomllib.load(open('pyproject.toml', 'rb')); \
+	print(*functools.reduce(dict.get, sys.argv[1:], found))" $(1))
 
 .PHONY: demo test style types suite sanitize benchmarks wheels site clean
 
 demo: .venv/libraries .venv/core
-	$(BIN)/orbident study spatial
+	@echo "a robot that CAD has wrong, flown and identified"
+	@$(BIN)/orbident demo --force
+	@echo
+	@echo "for the command in this shell: source $(BIN)/activate"
 
 test: style types suite
 style: .venv/tested
@@ -72,14 +77,15 @@ site: .venv/tested
 	touch $@
 
 .venv/libraries: pyproject.toml | .venv/bare
-	@echo "libraries of pyproject.toml"
-	@$(INSTALL) $(call REQUIRED,project dependencies)
+	@echo "installing libraries"
+	@$(INSTALL) $(call REQUIRED,project dependencies) \
+		$(call REQUIRED,project optional-dependencies report)
 	@touch $@
 
 # Without isolation what is compiled stays of use: after a change only what depends on it is
 # compiled again, and nothing where the same core is installed with more libraries.
 .venv/core: pyproject.toml $(CORE) | .venv/bare
-	@echo "the core in C++"
+	@echo "compiling the core in C++: a minute or two"
 	@$(INSTALL) cmake ninja $(call REQUIRED,build-system requires)
 	@$(INSTALL) --no-build-isolation --no-deps --editable .
 	@touch $@

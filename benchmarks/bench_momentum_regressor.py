@@ -75,7 +75,7 @@ def difference(states, theirs) -> float:
 
 @pytest.mark.benchmark(group="momentum regressor, 3000 samples")
 @pytest.mark.parametrize("threads", [1, 2])
-def bench_orbident(benchmark, record, states, difference, threads):
+def bench_orbident(benchmark, record, states: States, difference, threads):
     tree = core_tree(dual_arm())
     benchmark(lambda: _core.momentum(tree, *states, threads))
     median = record(f"orbident, {threads} threads", difference=difference)

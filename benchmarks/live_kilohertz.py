@@ -21,7 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
-from orbident.live.sources import VELOCITY, needed_columns
+from orbident.live.sources import needed_columns
+from orbident.recordings.columns import vector_columns
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import made_along
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
@@ -71,7 +72,7 @@ def flown(robot: Robot, seconds: float, rate: float) -> list[bytes]:
     walk = robot.sensors.of("gyro").white_std()
     std = {"gyro": walk * np.sqrt(rate), "velocity": VELOCITY_STD}
     columns = {"t": made.t}
-    for name in (*needed_columns(robot)[1:], *VELOCITY):
+    for name in (*needed_columns(robot)[1:], *vector_columns("velocity")):
         noise = std.get(name.split(".")[0], 0.0) * random.standard_normal(made.t.size)
         columns[name] = exact[name] + noise
     rows = np.column_stack(list(columns.values()))

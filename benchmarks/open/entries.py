@@ -11,6 +11,7 @@ from baselines.recursive_least_squares import recursive_least_squares
 from baselines.theta_filter import theta_filter
 
 import orbident as oi
+from orbident.choices import InitialMomentum, Method
 from orbident.errors import InputError
 from orbident.estimation.identify import METHODS
 from orbident.estimation.result import Result
@@ -19,15 +20,19 @@ from orbident.robot.description import Robot
 from orbident.studies.paper_method import Filters, from_imu, from_mocap, paper_method
 from orbident.trajectories.trajectory import InitialState
 
-Entry = Callable[[Robot, Recording, str], Answer]
+Entry = Callable[[Robot, Recording, InitialMomentum], Answer]
 
 
-def ours(method: str, robot: Robot, recording: Recording, momentum: str) -> Answer:
+def ours(
+    method: Method, robot: Robot, recording: Recording, momentum: InitialMomentum
+) -> Answer:
     """A method of `identify`, as a user has it."""
     return answer_of(oi.identify(robot, recording, method, momentum))
 
 
-def by_the_paper(robot: Robot, recording: Recording, momentum: str) -> Answer:
+def by_the_paper(
+    robot: Robot, recording: Recording, momentum: InitialMomentum
+) -> Answer:
     """The paper's: low-pass filters, Eqs. 24, 31 and 32, white noise."""
     if recording.has("accelerometer.x"):
         ready = from_imu(robot, recording, InitialState(), Filters())
@@ -64,7 +69,9 @@ ENTRIES: dict[str, Entry] = {
 }
 
 
-def timed(entry: Entry, robot: Robot, recording: Recording, momentum: str) -> Answer:
+def timed(
+    entry: Entry, robot: Robot, recording: Recording, momentum: InitialMomentum
+) -> Answer:
     """An answer with its CPU seconds; input that a method does not take is refused."""
     began = time.process_time()
     try:

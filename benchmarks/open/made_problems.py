@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from problem_folder import DESCRIPTION, TRUTH, digest, mean_square, parameters_of
 
+from orbident.choices import InitialMomentum
 from orbident.excitation.bound import cramer_rao
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
@@ -80,7 +81,7 @@ class MadeProblem:
     """The motion to identify from; of the robot that flies."""
     unused: Callable[[Robot], Trajectory]
     """The motion to predict."""
-    initial_momentum: str = "unknown"
+    initial_momentum: InitialMomentum = "unknown"
     captured: bool = False
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isclose
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
 
@@ -51,6 +52,14 @@ def mean_square(path: Path) -> float:
     return float(np.mean([np.nanmean(np.square(column)) for column in columns]))
 
 
+class TrueValue(TypedDict):
+    """The true value of a parameter."""
+
+    value: float
+    bound: float | None
+    """Cramér-Rao; `None` where the motion does not determine it."""
+
+
 @dataclass(frozen=True)
 class Problem:
     """What every entry is given."""
@@ -66,8 +75,8 @@ class Problem:
         return json.loads((self.folder / DESCRIPTION).read_text())
 
     @cached_property
-    def truth(self) -> dict[str, dict[str, float | None]]:
-        """The true value and the bound of every parameter; empty if nobody knows."""
+    def truth(self) -> dict[str, TrueValue]:
+        """The true value of every parameter; empty where nobody knows them."""
         path = self.folder / TRUTH
         return json.loads(path.read_text()) if path.is_file() else {}
 

@@ -19,6 +19,10 @@ StudyNoise = Literal["none", "paper"]
 """What sensors add in a study."""
 
 
+CauseSearch = Literal["none", "quick", "all"]
+"""How long the cause of a refusal is looked for."""
+
+
 class DisturbanceGroup(StrEnum):
     """What is there or not there together, as the estimators have it."""
 

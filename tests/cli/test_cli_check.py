@@ -104,7 +104,7 @@ ODD = {
     ),
     "no limits": (ARM, "", "no limit of the range: 'joint1', 'joint2'"),
     "no rates": (ARM, "", "no limit of the rate: 'joint1', 'joint2'"),
-    "no wheels": (ARM, "", "no wheels: without a momentum that is known"),
+    "no wheels": (ARM, "", "no wheels and no thrusters: without a momentum"),
     "no sensors": (ARM, "", "nothing is said of joints, gyro or attitude, position"),
     "an error without a tolerance": (
         ARM,

@@ -191,8 +191,9 @@ def test_a_filter_for_flight(orbident: Orbident, run: str):
     assert told.json["folder"] == "f"
     assert told.json["memory"] > told.json["state"] > 1000
     there = {path.name for path in Path("f").iterdir()}
-    code = {"CMakeLists.txt", "README.md", "flight.cpp", "main.c", "include", "eigen"}
-    assert there == code | {"robot.h", "golden.h"}
+    code = {"CMakeLists.txt", "flight.cpp", "main.c", "include", "eigen"}
+    assert there == code | {"README.md", "LICENSE", "robot.h", "golden.h"}
+    assert "Mozilla Public License" in Path("f/eigen/MPL-2.0.txt").read_text()
     assert (
         f"#define GOLDEN_STEPS {told.json['steps']}" in Path("f/golden.h").read_text()
     )

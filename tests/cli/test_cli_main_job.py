@@ -276,7 +276,7 @@ def test_study_spatial_json(orbident: Orbident, truth: dict[str, float]):
 
 
 def test_study_spatial_keeps_what_it_made(orbident: Orbident):
-    """The README's way to a first recording."""
+    """The paper's studies give a first recording."""
     words = orbident("study", "spatial", "-o", "kept/spatial").done().out
     assert "every parameter recovered" in words
     assert {path.name for path in Path("kept/spatial").iterdir()} == {

@@ -18,10 +18,10 @@ from orbident.trajectories.trajectory_file import save_trajectory
 def identified(
     orbident: Orbident, robot: object, recording: object, momentum: str = "unknown"
 ) -> tuple[dict[str, Any], str]:
-    """The rejected result, and what was said about it on standard error."""
+    """The rejected result, and all that was said about it on standard error."""
     ran = orbident(
         *("identify", robot, recording),
-        *("--initial-momentum", momentum, "--json", "-"),
+        *("--initial-momentum", momentum, "--json", "-", "--all"),
     )
     assert ran.status == 1
     result = ran.json
@@ -129,7 +129,8 @@ def test_the_reason_is_said_even_when_quiet(orbident: Orbident, flight: Recordin
     assert ran.status == 1
     assert ran.out == ""
     assert "orbident: warning: phi and the mass are not determined" in ran.err
-    head, reason, *rest = orbident("identify", "paper-spatial", "r.csv").out.split("\n")
+    shown = orbident("identify", "paper-spatial", "r.csv").out
+    head, reason, *rest = shown.split("\n")
     assert head.startswith("paper-spatial: rejected")
     assert "phi and the mass are not determined" in reason
     # No numbers follow.
@@ -142,7 +143,7 @@ def test_wrong_signals_give_no_mass(orbident: Orbident, flight: Recording):
     written(flight, "r.csv", replace=wrong)
     result, said = identified(orbident, "paper-spatial", "r.csv")
     assert result["mass"]["value"] is None
-    assert "check units" in said
+    assert "the sign of wheel rw_x" in said
 
 
 def test_a_joint_in_degrees_is_beyond_its_stops(orbident: Orbident, flight: Recording):
@@ -173,3 +174,18 @@ def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):
     assert missing(result["pi"]) == result["pi"]["names"]
     assert missing(result["phi"]) == result["phi"]["names"]
     assert "the quaternion of the attitude is the inverse, from inertial" in said
+
+
+def test_a_refusal_is_short(orbident: Orbident, flight: Recording):
+    """Its cause, the first check that failed, and where the others are."""
+    wrong = {f"velocity.{k}": -flight.columns[f"velocity.{k}"] for k in "xyz"}
+    written(flight, "r.csv", replace=wrong)
+    ran = orbident("identify", "paper-spatial", "r.csv")
+    lines = [*ran.err.splitlines(), *ran.out.splitlines()]
+    assert len(lines) <= 8
+    assert "velocity" in lines[0]
+    whole = orbident("identify", "paper-spatial", "r.csv", "--all")
+    assert len(whole.err.splitlines()) > 2
+    unsearched = orbident("identify", "paper-spatial", "r.csv", "--causes", "none")
+    assert unsearched.status == 1
+    assert len(unsearched.err.splitlines()) < len(whole.err.splitlines())

@@ -11,12 +11,12 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 301,
-    "lines": 57_200,
-    "files of estimation": 46,
-    "lines of estimation": 10_060,
-    "files with one user": 64,
-    "imports below each other": 29,
+    "files": 303,
+    "lines": 58_012,
+    "files of estimation": 47,
+    "lines of estimation": 10_477,
+    "files with one user": 66,
+    "imports below each other": 30,
     "numbers without a reason": 39,
 }
 

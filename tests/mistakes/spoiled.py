@@ -45,5 +45,6 @@ def tolerating(spoiled: Spoiled, tolerance: Mapping[str, Any]) -> Spoiled:
     """The same recording, with a robot file that declares this tolerance."""
     robot = spoiled.robot
     entry = TolerancesEntry.model_validate(tolerance)
-    known = replace(robot, tolerances=entry.in_si(robot.joints, robot.name))
+    said = entry.in_si(robot.joints, robot.thrusters, robot.name)
+    known = replace(robot, tolerances=said)
     return replace(spoiled, robot=known)

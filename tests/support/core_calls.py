@@ -149,7 +149,7 @@ def _tables(calls: Calls, K: int, random: np.random.Generator) -> None:
     make("smooth_rates", t, draw((n, 2)), *two)
     make("smoothing_evidence", np.tile(t, (2, 1)), draw((2, n)), np.ones(3), THREADS)
     make("fourier_quintic", draw((3, K, 10)), t, THREADS)
-    make("innovations", t, w, np.ones(n), np.ones(3))
+    make("innovations", t, w, np.ones(n), np.ones(4))
 
 
 def _filter(

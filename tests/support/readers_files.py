@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+import valved_satellite as satellite
 import yaml
 from bag_writers import START, Sent, joint_state, pose, write_bag
 from burns import Body, burn
@@ -22,6 +23,7 @@ from orbident.robot.sensor_schema import AttitudeSpec, PositionSpec
 from orbident.simulation.sensor import read_attitude, read_position
 from orbident.simulation.simulate import simulate
 
+FIRST = ROOT / "docs" / "first-result.md"
 LIBRARY = Path(str(files("orbident.robot") / "library"))
 MS = 1_000_000
 
@@ -51,10 +53,10 @@ SERVICER = """\
 """
 
 
-def readme() -> None:
+def first_result() -> None:
     """The robot of the page's file, flown and burnt; a table's bag; a drone's log."""
     Path("servicer.urdf").write_text(SERVICER)
-    (shown,) = (b.text for b in blocks(ROOT / "README.md") if b.language == "yaml")
+    (shown,) = (b.text for b in blocks(FIRST) if b.language == "yaml")
     Path("servicer.yaml").write_text(shown)
     robot = oi.load_robot("servicer.yaml")
     for seed, name in enumerate(("flight", "other_flight", "earlier", "later")):
@@ -194,8 +196,15 @@ def repository() -> None:
     Path("benchmarks").symlink_to(ROOT / "benchmarks")
 
 
+def valves() -> None:
+    """A satellite with the four valves of the page, of which the second is dead."""
+    truth = satellite.with_dead(satellite.Truth(clock=0.1, pulse=0.03), 2)
+    seen = satellite.flown(truth, 4, valves=(0, 1, 4, 5))
+    write_recording(seen, Path("flight.csv"))
+
+
 BEFORE: dict[str, Callable[[], None]] = {
-    "README.md": readme,
+    "docs/first-result.md": first_result,
     "docs/how-to/after-a-capture.md": capture,
     "docs/how-to/designing-an-excitation.md": flyer,
     "docs/how-to/files-of-other-tools.md": other_tools,
@@ -204,6 +213,7 @@ BEFORE: dict[str, Callable[[], None]] = {
     "docs/how-to/ros-bag.md": table_bag,
     "docs/how-to/sample-by-sample.md": flyer,
     "docs/how-to/several-recordings.md": three_flights,
+    "docs/how-to/thrusters.md": valves,
     "docs/how-to/what-acts-from-outside.md": tilted_table,
     "docs/open-benchmark.md": repository,
 }

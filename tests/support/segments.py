@@ -58,7 +58,7 @@ class Segment(NamedTuple):
             for name in SENSORS
         ]
         at = self.state if state is None else state
-        white, nothing = np.zeros((2, 3, 3)), np.zeros((0, 15, 0))
+        white, nothing = np.zeros((2, 3, 4)), np.zeros((0, 15, 0))
         return dict(weights=weights, coloured=white, acting=nothing, **at._asdict())
 
 

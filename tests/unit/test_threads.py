@@ -20,7 +20,7 @@ def test_causes_are_searched_for_with_one_blas_thread(monkeypatch: pytest.Monkey
     """With as many threads as processors a search took ten times as long."""
     used = list[set[int]]()
 
-    def causes(_: object) -> list[object]:
+    def causes(*_: object) -> list[object]:
         used.append(blas_threads())
         return []
 

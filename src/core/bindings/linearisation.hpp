@@ -26,8 +26,8 @@ class OwnedJointMomenta {
         table_(static_cast<std::size_t>((3 + 2 * tree.joints) * (1 + directions))) {
     const int K = tree.joints;
     Directions* const joints = numbers_.data() + PER_BODY * tree.bodies();
-    at = {bodies_.at,      plain_.at, units_.data(), numbers_.data(), joints, joints + K,
-          joints + 2 * K, joints + 3 * K, table_.data() + 3 + 2 * K, table_.data()};
+    at = {bodies_.at, plain_.at,      units_.data(),  numbers_.data(),           joints,
+          joints + K, joints + 2 * K, joints + 3 * K, table_.data() + 3 + 2 * K, table_.data()};
   }
   OwnedJointMomenta(const OwnedJointMomenta&) = delete;
   JointMomentaMemory at;
@@ -73,8 +73,8 @@ class OwnedSweep {
       base.G = take(states * unknowns);
       base.phi = take(states * unknowns);
       base.dw = take(rates * unknowns);
-      passive_[k] = {take(P), take(P), take(P), take(P), take(P), take(rates * states),
-                     take(states * states)};
+      passive_[k] = {
+          take(P), take(P), take(P), take(P), take(P), take(rates * states), take(states * states)};
       base.passive = &passive_[k];
       base.own_by = take(all.substeps > 1 ? BY_R * unknowns : 0);
       interval.velocity[k] = take(3 * unknowns);
@@ -86,7 +86,7 @@ class OwnedSweep {
     interval.felt = take(3 * unknowns);
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
-    at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting) * n);
+    at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting + 3) * n);
     at.continuity = take(std::ptrdiff_t(BIASES + 2 * P) * n);
     if (P == 0) return;
     PassiveMemory& own = interval.own;
@@ -174,8 +174,12 @@ struct Call {
       residuals.emplace_back(with_residuals ? rows : 0, owned.axes(k));
       std::fill_n(residuals[k].data(), with_residuals ? rows * owned.axes(k) : 0, 0.0);
       if (rows)
-        *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
-                                    with_residuals ? residuals[k].data() : nullptr, nullptr, 0};
+        *sensors_of(recorded, k) = {owned.samples[k].data(),
+                                    weights[k].data(),
+                                    with_residuals ? residuals[k].data() : nullptr,
+                                    nullptr,
+                                    0,
+                                    false};
     }
     colour(coloured_);
     const double* value = common.data() + OUTSIDE + recorded.columns.betas;
@@ -210,21 +214,29 @@ struct Call {
     recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(),
                        static_cast<int>(betas)};
   }
-  // By tracker and axis: std, time and walk of what lasts.
+  // By tracker and axis: std, time, walk and walk of the rate of what lasts.
   void colour(const Array& given) {
-    const auto all = input<3>("coloured", given, {TRACKERS, 3, 3});
+    const auto all = input<3>("coloured", given, {TRACKERS, 3, 4});
     Sensed* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
     int place = BIASES;
+    recorded.attitude.turns = true;
     for (int k = 0; k < TRACKERS; ++k) {
       int parts = 0;
+      bool any = false;
       for (int axis = 0; axis < 3; ++axis) {
-        const double* values = all.data() + 9 * k + 3 * axis;
-        coloured[k][axis] = {values[0], values[1], values[2]};
-        parts += coloured[k][axis].parts();
+        const double* values = all.data() + 12 * k + 4 * axis;
+        coloured[k][axis] = {values[0], values[1], values[2], values[3]};
+        const Coloured& own = coloured[k][axis];
+        any |= own.parts() > 0;
+        parts += own.parts();
+        if (!trackers[k]->turns || !own.has(OFFSET)) continue;
+        if (axis < 2 || !recorded.planar)
+          throw nb::value_error("coloured: only about the vertical of a planar robot rates walk");
+        recorded.momentum = place + --parts - 1;
       }
-      if (parts && !trackers[k]->values) throw nb::value_error("coloured: of an absent sensor");
+      if (any && !trackers[k]->values) throw nb::value_error("coloured: of an absent sensor");
       trackers[k]->lasting = place;
-      trackers[k]->coloured = parts ? coloured[k] : nullptr;
+      trackers[k]->coloured = any ? coloured[k] : nullptr;
       place += parts;
     }
     if (place - BIASES != recorded.lasting)

@@ -45,8 +45,9 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all, call.selected);
-  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
-  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
+  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), all.momentum, 0, 0.0};
+  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(),
+                           all.momentum,         0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
   Out<2> table(sensed.rows + continuity.rows + 2 * L, width);
@@ -142,7 +143,8 @@ void bind_output_error(nb::module_& m) {
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
            "attitude and biases walk in a second. `passive`: joints that nobody measures; "
-           "`like`: the joint whose unknowns each has; `laws` of each: squared rate, damping rate, walks of its position and rate, and by "
+           "`like`: the joint whose unknowns each has; `laws` of each: squared rate, damping rate, "
+           "walks of its position and rate, and by "
            "theta the inertia that it carries.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
@@ -154,7 +156,7 @@ void bind_output_error(nb::module_& m) {
         nb::arg("factor_only") = false,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
         "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of "
-        "attitude and position, by axis, what lasts: std, time and walk. "
+        "attitude and position, by axis, what lasts: std, time, walk and walk of its rate. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::kw_only(),

@@ -78,6 +78,7 @@ struct OwnedRecorded {
     all.lasting = lasting;
     all.spring = springs.data();
     all.springs = static_cast<int>(springs.size());
+    all.momentum = -1;
     all.first = first.data();
     all.prior = corrections.data();
     all.walk = walk.data();
@@ -97,7 +98,8 @@ inline OwnedRecorded make_recorded(
     const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& corrections, const Array& walk, const Array& passive_, const Array& like_, const Array& laws_) {
+    const Array& corrections, const Array& walk, const Array& passive_, const Array& like_,
+    const Array& laws_) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -148,11 +150,11 @@ inline OwnedRecorded make_recorded(
                     {}};
   const auto passive =
       whole_numbers("passive", input<1>("passive", passive_, {ANY}), static_cast<double>(K));
-  const auto like = whole_numbers(
-      "like", input<1>("like", like_, {static_cast<std::int64_t>(passive.size())}),
-      static_cast<double>(K));
-  all.laws = input<2>(
-      "laws", laws_, {static_cast<std::int64_t>(passive.size()), 4 + PER_BODY * (K + 1)});
+  const auto like =
+      whole_numbers("like", input<1>("like", like_, {static_cast<std::int64_t>(passive.size())}),
+                    static_cast<double>(K));
+  all.laws =
+      input<2>("laws", laws_, {static_cast<std::int64_t>(passive.size()), 4 + PER_BODY * (K + 1)});
   for (std::size_t e = 0; e < passive.size(); ++e) {
     const double* law = all.laws.data() + static_cast<std::ptrdiff_t>(e) * all.laws.size(1);
     const auto at = std::find(all.corrected.begin(), all.corrected.end(), passive[e]);

@@ -115,7 +115,7 @@ class Case:
     def robot(self) -> Robot:
         """The one that flies, with the sensors that it has."""
         declared = self.subject.robot
-        moved = moved_joints(declared, self._of("instruments"))
+        moved = moved_joints(declared, self.instrument_errors)
         return replace(
             moved,
             theta=_theta(declared, self._of("inertia")),
@@ -130,16 +130,18 @@ class Case:
         state = _state(trajectory.initial, self._of("initial"), wheels)
         return replace(trajectory, initial=state)
 
+    @property
+    def instrument_errors(self) -> Draws:
+        """The errors of instruments and of geometry by their names, SI."""
+        return self._of("instruments")
+
     def recording(self) -> Recording:
         """What the sensors record of it.
 
         Raises:
             InputError: this robot cannot fly that, or its sensors cannot record it.
         """
-        robot, rate = self.robot, self.robot.sensors.rows_per_second
-        t, true, known = made_along(robot, self.trajectory, rate, seed=self.seed)
-        seen = with_instrument_errors(robot, t, true, self._of("instruments"))
-        return measure_truth(robot, t, seen, self.seed).with_columns(known)
+        return recorded(self.robot, self.trajectory, self.instrument_errors, self.seed)
 
 
 def _names_of_inertia(robot: Robot) -> tuple[str, ...]:
@@ -210,6 +212,26 @@ def moved_joints(robot: Robot, errors: Errors) -> Robot:
         for share in _drawn(errors, "wheel_inertia", wheel.name)
     )
     return replace(robot, joints=joints, wheels=wheels)
+
+
+def recorded(
+    robot: Robot, trajectory: Trajectory, errors: Errors, seed: int
+) -> Recording:
+    """What sensors record of a flight.
+
+    Args:
+        robot: that flies, with the sensors that it has.
+        trajectory: of the joints, which do exactly that, and what acts.
+        errors: of instruments; those of geometry are the robot's own.
+        seed: of the sensors' noise, and of what is random of the environment.
+
+    Raises:
+        InputError: this robot cannot fly that, or its sensors cannot record it.
+    """
+    rate = robot.sensors.rows_per_second
+    t, true, known = made_along(robot, trajectory, rate, seed=seed)
+    seen = with_instrument_errors(robot, t, true, errors)
+    return measure_truth(robot, t, seen, seed).with_columns(known)
 
 
 def with_instrument_errors(

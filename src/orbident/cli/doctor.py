@@ -11,8 +11,8 @@ from orbident.cli.options import Json, Quiet
 if TYPE_CHECKING:
     from orbident.studies.spatial import SelfTest
 
-_DEVELOPERS = ("docs", "test")
-"""Extras that nobody needs who only uses Orbident."""
+_UNLISTED = ("all", "docs", "test")
+"""Extras that are the others together, or that only developers need."""
 
 
 def doctor(json: Json = None, quiet: Quiet = False) -> None:
@@ -88,7 +88,7 @@ def _libraries() -> dict[str, dict[str, str | None]]:
     for requirement in requires("orbident") or ():
         name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
         extra = re.search(r"extra == ['\"]([\w-]+)", requirement)
-        if extra and extra[1] in _DEVELOPERS:
+        if extra and extra[1] in _UNLISTED:
             continue
         found.setdefault(extra[1] if extra else "", {})[name] = _installed(name)
     return found

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.choices import DisturbanceGroup, Method
+from orbident.choices import CauseSearch, DisturbanceGroup, Method
 from orbident.cli.options import (
     End,
     Force,
@@ -73,6 +73,13 @@ def identify(
             "of every sensor too.",
         ),
     ] = False,
+    causes: Annotated[
+        CauseSearch,
+        typer.Option(
+            help="How long to look for the cause of a refusal: some seconds (quick), "
+            "until all is tried, or not at all."
+        ),
+    ] = "quick",
     force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
@@ -84,7 +91,7 @@ def identify(
     """
     from dataclasses import replace
 
-    from orbident.cli.identify_tables import summary
+    from orbident.cli.identify_tables import summary, warnings_of
     from orbident.cli.output import Output, progress
     from orbident.estimation.identify import identify as identified
     from orbident.files.text import name_of, sha256
@@ -116,7 +123,7 @@ def identify(
         )
     if result.status == "rejected":
         with progress("looking for the cause"):
-            result = result.with_causes()
+            result = result.with_causes(causes)
     used = {"from": start, "to": end}
     files = [
         {"file": name_of(recording), "sha256": sha256(recording)}
@@ -127,7 +134,7 @@ def identify(
     result = replace(result, input=origin)
     shown = tables[0] if isinstance(tables[0], Recording) else tables[0].digest
     unmade = [] if out is None else keep(result, described, shown, out, force)
-    output.warn([*unmade, *result.warnings])
+    output.warn([*unmade, *warnings_of(result, everything)])
     output.say(*summary(result, out, everything))
     output.write_json(result.to_json())
     if result.status == "rejected":

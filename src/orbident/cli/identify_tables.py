@@ -18,6 +18,9 @@ TITLES = {
     "pi": "pi: what the angular momentum shows",
 }
 
+NOTES = 2
+"""Notes that are printed with a refusal: it has eight lines at most."""
+
 COLUMNS = 80
 """The width of a terminal, as it opens nearly everywhere."""
 
@@ -32,7 +35,7 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     """
     written = [] if out is None else [f"written: {out}"]
     if result.status == "rejected":
-        return [*result.summary(), *written]
+        return [*_refused(result, everything), *written]
     if everything:
         lines = [*result.summary()[:2], *_everything(result), *_sensitivity(result)]
         return [*lines, *budget_lines(result.budget()), *written]
@@ -47,6 +50,21 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
     ]
+
+
+def _refused(result: Any, everything: bool) -> list[str]:
+    """That it is refused, why, and where the rest is."""
+    more = len({*result.warnings} - {*warnings_of(result, everything)})
+    checks = "1 more check failed" if more == 1 else f"{more} more checks failed"
+    rest = [f"{checks}: --all and --json show all"] if more else []
+    return [*result.summary(), *rest]
+
+
+def warnings_of(result: Any, everything: bool) -> list[str]:
+    """What is warned of; of a refused result its reasons alone, unless all is asked."""
+    if everything or result.status != "rejected":
+        return [*result.warnings]
+    return [*result.refusal_in_brief(), *result.notes[:NOTES]]
 
 
 def _everything(result: Any) -> list[str]:
@@ -116,7 +134,7 @@ def _calibration(result: Any) -> list[str]:
     """Errors of instruments that were estimated."""
     lines = [
         f"  {name:24} {fit.value:10.2g} +- {fit.std:.2g}   "
-        f"tolerance {fit.tolerance:.2g}"
+        + ("free" if math.isnan(fit.tolerance) else f"tolerance {fit.tolerance:.2g}")
         for name, fit in result.calibration.items()
     ]
     return ["", "calibration errors, SI or relative", *lines] if lines else []

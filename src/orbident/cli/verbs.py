@@ -9,6 +9,7 @@ from orbident.cli.campaign import campaign
 from orbident.cli.check import check
 from orbident.cli.compare import compare
 from orbident.cli.convert import convert
+from orbident.cli.demo import demo
 from orbident.cli.doctor import doctor
 from orbident.cli.excite import excite
 from orbident.cli.export import export
@@ -37,6 +38,7 @@ app = typer.Typer(
     "70 internal error, 130 interrupted (Ctrl-C), 143 terminated.",
 )
 EXAMPLES = {
+    demo: "orbident demo",
     robots: "orbident robots",
     new: "orbident new robot.yaml --joints 3 --wheels 3",
     check: "orbident check robot.yaml",

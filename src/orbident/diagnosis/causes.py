@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from time import process_time
 
 import numpy as np
 
+from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.instruments import freed, kinds
@@ -19,11 +21,12 @@ from orbident.diagnosis.shifts import drifts, jumps, soft_joints, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score_of
 from orbident.diagnosis.suspects import tried as put_right
-from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
 from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.recordings.recording import float32_step
 from orbident.threads import one_blas_thread
@@ -40,18 +43,34 @@ MOST = 0.5
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
+SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
+"""What is said where not all causes were tried."""
+
 LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
 
+QUICK = 4.0
+"""s of CPU after which a quick search begins no further trial: with the fit before it,
+and with a look for an event after it, an answer takes some ten."""
+
+
 @one_blas_thread
-def causes(solved: Solved) -> tuple[Check, ...]:
-    """What is most likely wrong with a refused recording; it takes some seconds."""
-    return tuple(_causes(solved))
+def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
+    """What is most likely wrong with a refused recording; it takes some seconds.
+
+    Args:
+        solved: what the result was judged by.
+        search: whether it ends after some seconds, with the likeliest causes tried.
+    """
+    if search == "none" or any(one.name == "cause" for one in solved.hindered):
+        return ()
+    end = process_time() + QUICK if search == "quick" else np.inf
+    return tuple(_causes(solved, end))
 
 
-def _causes(solved: Solved) -> Iterator[Check]:
+def _causes(solved: Solved, end: float) -> Iterator[Check]:
     problem, shown = solved.problem, solved.shown
     step = float32_step(problem.recording.t)
     if step:
@@ -63,7 +82,7 @@ def _causes(solved: Solved) -> Iterator[Check]:
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
-    if any(one.name == "scale" for one in solved.hindered):
+    if _of_the_scale(solved):
         # That is the cause: without a scale whatever is freed may seem to explain it.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
@@ -76,15 +95,9 @@ def _causes(solved: Solved) -> Iterator[Check]:
     # That parameters are of a likelier sign is not enough where it can be tried.
     plain = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
     if wrong.falls > FALLS and plain:
-        times = f"{wrong.falls:.2g}"
-        yield _found(
-            f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
-            f"and 31 are {times} times smaller",
-            "correct the recording or the robot file",
-            wrong.falls,
-        )
+        yield wrong.check()
     elif shown:
-        yield from _by_trials(solved, shown, conventions, jumped)
+        yield from _by_trials(solved, shown, conventions, jumped, end)
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
@@ -94,11 +107,23 @@ def _causes(solved: Solved) -> Iterator[Check]:
         yield from found
 
 
+def _of_the_scale(solved: Solved) -> bool:
+    """Whether there is no scale, or a unit of the wheels' speeds explains the mass."""
+    robot, found = solved.problem.robot, solved.estimate
+    unit = beside_nominal(found.mass, robot.mass, len(robot.wheels))
+    wrong = [*solved.hindered, *(unit if found.converged else [])]
+    return any(
+        one.level == "do not trust" and one.name in {"scale", MASS_BESIDE_NOMINAL}
+        for one in wrong
+    )
+
+
 def _by_trials(
     solved: Solved,
     shown: Estimate,
     conventions: list[CorrectedConvention],
     jumped: list[Trial],
+    end: float,
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
     now, corrected = misfit(shown), already_corrected(solved.problem)
@@ -107,7 +132,7 @@ def _by_trials(
         # Clocks seemed late because of what is looked for.
         shown, now = corrected.before.estimate, before
         solved = solved._replace(problem=corrected.recorded, shown=shown)
-    trials = [*jumped, *_tried(solved, conventions, before)]
+    trials = [*jumped, *_tried(solved, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
     best = _best(trials)
@@ -125,7 +150,9 @@ def _by_trials(
     shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
     # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
     problem = corrected.recorded if corrected else solved.problem
+    ended = process_time() > end
     happened = None if shrunk else event(problem)
+    more = f"; {SEARCH_ON}" if ended else ""
     if happened is not None:
         yield _found(happened.reason, happened.remedy)
     elif best is not None and falls > EXPLAINS:
@@ -134,7 +161,7 @@ def _by_trials(
             f"{falls:.2g}, more than by any other cause that was tried, though the "
             "recording is still refused",
             "see whether more than one thing is wrong: with tolerances in the robot "
-            "file errors of several instruments are estimated at once",
+            f"file errors of several instruments are estimated at once{more}",
             falls,
         )
     else:
@@ -142,31 +169,42 @@ def _by_trials(
             "no part of the recording fits, and no cause that was tried explains it "
             "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
             "joints)",
-            "remove what acts",
+            f"remove what acts{more}",
         )
 
 
 def _explained(best: Trial, before: float) -> Check:
-    """A trial that is accepted."""
+    """A trial that is accepted: the cause, if no other one may explain as much."""
     falls = before - best.misfit
-    return _found(
+    words = (
         f"{best.cause}: with that put right the recording is accepted "
-        f"(chi-square falls by {falls:.2g})",
-        "correct it, or declare its tolerance in the robot file"
-        if best.tolerable
-        else "correct it",
+        f"(chi-square falls by {falls:.2g})"
+    )
+    remedy = "correct it"
+    if best.tolerable:
+        remedy = "correct it, or declare its tolerance in the robot file"
+    if best.seen or falls > best.rival.falls + WORTH:
+        return _found(words, remedy, falls)
+    other = best.rival.cause
+    return _found(
+        f"perhaps {words}; or perhaps {other}, which may look like it",
+        f"measure which of them it is, and then {remedy}",
         falls,
     )
 
 
 def _tried(
-    solved: Solved, conventions: list[CorrectedConvention], before: float
+    solved: Solved,
+    conventions: list[CorrectedConvention],
+    before: float,
+    end: float,
 ) -> list[Trial]:
     """The plainest first: where some of these explain all, the rest need not be.
 
-    All others are tried in the order of what they would explain to first order.
+    All others are tried in the order of what they would explain to first order, until
+    the CPU's time is at its end.
     """
-    problem, trials = solved.problem, list[Trial]()
+    problem, trials, rival = solved.problem, list[Trial](), NONE
     for some in (
         noisier_sensors,
         spikes,
@@ -179,7 +217,10 @@ def _tried(
     ):
         for one in some(problem):
             trials.append(_sure(one, before))
-            if sum(each.lost for each in trials) == LOST:
+            # Those of the stages that follow are less likely than what was scored.
+            rival = max(rival, one.rival)
+            trials[-1] = trials[-1]._replace(rival=rival)
+            if sum(each.lost for each in trials) == LOST or process_time() > end:
                 return trials
         if any(one.accepted for one in trials):
             break
@@ -208,13 +249,14 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     if shown is None or shown.solution is None or shown.sensitivity is None:
         return
     price = np.log(problem.samples.t.size)
-    worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
+    worth: list[tuple[Rival, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
-    for kind in kinds(problem.robot):
+    for kind in kinds(problem.robot, problem.samples.wrenches):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size
-            worth.append((gain, partial(freed, problem, kind)))
+            rival = Rival(gain, f"{kind} is off")
+            worth.append((rival, partial(freed, problem, kind)))
     for suspect in (
         *beside(problem),
         *steps(problem, shown),
@@ -224,11 +266,15 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     ):
         first = score_of(problem, shown.solution, suspect)
         gain = first.fall - price * first.values.size
-        worth.append((gain, partial(put_right, problem, suspect, first, misfit(shown))))
-    worth.sort(key=lambda one: -one[0])
-    for gain, put in worth[:LIKELIEST]:
-        if gain > WORTH:
-            yield from put()
+        if first.values.size:
+            rival = Rival(gain, suspect.words(first.values))
+            put = partial(put_right, problem, suspect, first, misfit(shown))
+            worth.append((rival, put))
+    worth.sort(key=lambda one: -one[0].falls)
+    for k, (own, put) in enumerate(worth[:LIKELIEST]):
+        others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
+        if own.falls > WORTH:
+            yield from (one._replace(rival=max(others, default=NONE)) for one in put())
 
 
 def _as_noise(estimate: Estimate | None) -> bool:

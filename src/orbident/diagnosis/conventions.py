@@ -23,6 +23,9 @@ from orbident.robot.description import Robot
 
 DEGREE = np.pi / 180
 
+GRAVITY = 9.80665
+"""m/s^2: of 1 g."""
+
 
 FIELDS = {"joint": ("q", "qd"), "wheel": ("qd_rw",)}
 """Fields of `Samples` that hold joints and wheels."""
@@ -139,9 +142,18 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     yield from of_all("wheel", robot.wheel_names)
     if recording.has("gyro.x"):
         yield from _vector(robot, "gyro", "w")
-        yield scaled(("w",), DEGREE, "the gyro is in degrees per second")
-        yield Convention("the gyro is in inertial axes, not in the base's", _to_base)
-    point = "position" if recording.has("position.x") else "velocity"
+        in_degrees = "the gyro is in degrees per second"
+        if recording.has("attitude.x"):
+            yield scaled(("w",), DEGREE, in_degrees)
+            inertial = "the gyro is in inertial axes, not in the base's"
+            yield Convention(inertial, _to_base)
+        else:
+            # The attitude is what the gyro says, too.
+            yield _rescaled("gyro", DEGREE, in_degrees)
+    if recording.has("accelerometer.x"):
+        in_g = "the accelerometer is in g, and not in m/s^2"
+        yield _rescaled("accelerometer", GRAVITY, in_g)
+    point = "velocity" if recording.has("velocity.x") else "position"
     if problem.samples.v_S:
         yield from _vector(robot, point, "v_S")
         for unit, size in UNITS_OF_LENGTH:
@@ -222,6 +234,17 @@ def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:
         return replace(problem.samples, **{vector: tuple(turned)})
 
     return amended
+
+
+def _rescaled(sensor: str, factor: float, cause: str) -> Convention:
+    """All that follows from a sensor's samples times a factor."""
+
+    def amended(problem: MomentumProblem) -> Samples:
+        right = factor * problem.recording.vector(sensor)
+        written = problem.recording.with_columns(of_vector(sensor, right))
+        return samples_of(problem.robot, written, corrections(problem.clocks))
+
+    return Convention(cause, amended)
 
 
 def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:

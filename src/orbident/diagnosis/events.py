@@ -68,8 +68,9 @@ def event(problem: MomentumProblem) -> Event | None:
         )
     if not same:
         return Event(
-            f"the robot changed {at} (a capture or a release): before and after the "
-            "recording fits, with different parameters",
+            f"before and after an event {at} the recording fits, with different "
+            "parameters: perhaps the robot changed (a capture or a release), or an "
+            "instrument did",
             "identify the rows before and those after each by themselves, and compare "
             "the two results: that says what was captured",
         )

@@ -14,10 +14,14 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.problem import SENSORS
 from orbident.estimation.unknowns import CalibrationFit
+from orbident.preprocessing.wrenches import Wrenches, thrust_seen
 from orbident.robot.description import Robot
 
 ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 """Errors that instruments may have, rad, m and relative: far beyond good ones."""
+
+LATE, THRUST = 0.3, 0.5
+"""Deviations beforehand of thrusters, s and relative: a computer far away commands."""
 
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""
@@ -31,6 +35,9 @@ WORDS = {
     "gyro.misalignment": ("the misalignment of the gyro", ANGLE),
     "gyro.scale": ("the scale of the gyro, or the rate of the clock,", PART),
     "position.scale": ("the scale of the position", PART),
+    "thrusters.clock": ("the time at which thrusters act after their commands", LATE),
+    "thrusters.pulse": ("how long thrusters are on", LATE),
+    "thrusters.scale": ("the thrust of all thrusters together", THRUST),
     "place": (
         "the place of joint {} on its link in the robot file, so the geometry or "
         "length of that link,",
@@ -51,6 +58,10 @@ class ErrorKind(NamedTuple):
     """The cause, with the joint or wheel in the place of `{}`."""
     std: float
     """Beforehand; SI."""
+
+    def __str__(self) -> str:
+        named = self.names[0].split(".")
+        return self.words.format(named[1] if len(named) > 1 else "")
 
     @property
     def of_one(self) -> bool:
@@ -77,10 +88,15 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
         yield found._replace(cause=words, misfit=found.misfit + price, tolerable=True)
 
 
-def kinds(robot: Robot) -> Iterator[ErrorKind]:
-    """The kinds of errors that a robot's instruments may have; clocks are apart."""
+def kinds(robot: Robot, wrenches: Wrenches) -> Iterator[ErrorKind]:
+    """The kinds of errors that a robot's instruments may have; clocks are apart.
+
+    Args:
+        robot: with its joints and wheels.
+        wrenches: that were recorded.
+    """
     families: dict[str, list[str]] = {}
-    for each in calibrations_of(robot, SENSORS):
+    for each in calibrations_of(robot, (*SENSORS, *thrust_seen(wrenches))):
         families.setdefault(each.family, []).append(each.name)
     for family, names in families.items():
         key = family if family in WORDS else family.rpartition(".")[2]

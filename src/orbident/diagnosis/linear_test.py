@@ -7,7 +7,8 @@ from jaxtyping import Float
 
 from orbident.diagnosis.conventions import Convention, conventions
 from orbident.errors import InputError
-from orbident.estimation.linear_fits import fit
+from orbident.estimation.checks import Check
+from orbident.estimation.linear_fits import LinearFit, fit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
 
@@ -17,6 +18,13 @@ all of them do."""
 
 FALLS = 2.0
 """Times that the residuals of both equations together must be smaller."""
+
+ABSURD = 0.1
+"""Part of the momentum, or of the velocity of S, that the linear equations leave where
+something is plainly wrong: noise is some thousandths, and CAD does not enter."""
+
+PLAIN = 10.0
+"""Times that residuals are smaller with a plain mistake put right."""
 
 PLAINLY = 1.1
 """Times better than a simpler suspicion, which comes before."""
@@ -40,6 +48,24 @@ class CorrectedConvention(NamedTuple):
     residuals_alone: float
     """The same, whether or not parameters are of a likely sign and size."""
 
+    def check(self) -> Check:
+        """What refuses the recording, in words."""
+        times = f"{self.residuals_alone:.2g}"
+        shown = (
+            f"the residuals of Eqs. 24 and 31 are {times} times smaller"
+            if self.residuals_alone > FALLS
+            else "the parameters are of the size that CAD has"
+        )
+        # A gain leaves residuals as they are.
+        perhaps = "" if self.residuals_alone > FALLS else "perhaps "
+        return Check(
+            "cause",
+            "do not trust",
+            f"{perhaps}{self.convention.cause}: with that put right {shown}",
+            "correct the recording or the robot file",
+            self.falls,
+        )
+
 
 def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     """Each convention with the factor by which it lowers the residuals, best first.
@@ -62,6 +88,22 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     others = [one for k, one in enumerate(found) if k not in worth]
     first = sorted(worth.values(), key=lambda one: -one.falls)
     return [*first[:1], *sorted([*first[1:], *others], key=lambda one: -one.falls)]
+
+
+def plain_mistake(problem: MomentumProblem) -> list[Check]:
+    """A convention that is plainly another one, which no fit is needed to see."""
+    fits = problem.fits
+    left = [_part_left(fits.pi), _part_left(fits.phi)]
+    if problem.samples.unknown_thrust or not max(left) > ABSURD:
+        return []
+    best, *_ = tried_conventions(problem)
+    return [best.check()] if best.residuals_alone > PLAIN else []
+
+
+def _part_left(fit: LinearFit) -> float:
+    """The part of what a linear equation should explain that it leaves."""
+    whole = float(np.hypot(fit.explained, fit.unexplained))
+    return fit.unexplained / whole if whole > 0 else 0.0
 
 
 class _Left(NamedTuple):
@@ -100,11 +142,7 @@ def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
 def _left(problem: MomentumProblem, samples: Samples) -> _Left:
     robot, sets = problem.robot, problem.sets
     fits = fit(robot, sets, samples, problem.initial_momentum, lambda _: None)
-    left = [
-        each.unexplained / np.hypot(each.explained, each.unexplained)
-        for each in (fits.pi, fits.phi)
-        if each.explained > 0
-    ]
+    left = [_part_left(each) for each in (fits.pi, fits.phi) if each.explained > 0]
     if not np.isfinite(left).all():
         return _Left(np.inf)
     far = _far(fits.pi.values, sets.pi(robot.theta)) + _far(

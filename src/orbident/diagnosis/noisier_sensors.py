@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
-from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.diagnosis.trial import Rival, Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.gaussian import OF_MEDIAN, noisiest_std
 from orbident.robot.sensor_schema import InertialSpec, Sampled
@@ -23,6 +23,9 @@ from orbident.threads import processors
 
 NOISIER = 1.5
 """Times the declared noise."""
+
+UNMODELLED = Rival(np.inf, "something slow acts or moves in the robot")
+"""So free a bias explains much that is none."""
 
 WANDERS = 100.0
 """Times the declared walk of a bias: what it needs is found by the fit."""
@@ -65,9 +68,8 @@ def wandering(problem: MomentumProblem) -> Iterator[Trial]:
         "that may walk 100 times as far"
     )
     found = _trial(problem, "gyro", words, gyro.model_copy(update=walk))
-    # So free a bias explains much that is none.
     if found.accepted:
-        yield found
+        yield found._replace(rival=UNMODELLED)
 
 
 def _trial(problem: MomentumProblem, name: str, words: str, sensor: Sampled) -> Trial:

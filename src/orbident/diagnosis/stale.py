@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from orbident.diagnosis.shifts import shown_by
 from orbident.recordings.recording import Recording
@@ -14,6 +15,10 @@ OFTEN = 0.3
 LONG = 10
 """Samples in a row that are the same though the others are not."""
 
+COUNTS = 3.0
+"""Times the least step of a sensor: a coarse one shows the same until it moved so far,
+and a sensor that was stuck leaps."""
+
 
 def stale(robot: Robot, recording: Recording) -> Iterator[str]:
     """What repeats, in words; first what does so throughout."""
@@ -22,24 +27,23 @@ def stale(robot: Robot, recording: Recording) -> Iterator[str]:
         most = x[:, np.argmax(np.nanstd(x, axis=0))]
         seen = np.isfinite(most)
         if np.ptp(most[seen]) > 0:
-            again = np.diff(most[seen]) == 0
-            same[sensor.replace(".", " ")] = recording.t[seen][1:], again
-    often = {name: np.mean(again) for name, (_, again) in same.items() if again.size}
+            same[sensor.replace(".", " ")] = recording.t[seen][1:], most[seen]
+    often = {name: np.mean(np.diff(x) == 0) for name, (_, x) in same.items()}
     held = [name for name, part in often.items() if part > OFTEN]
     if len(held) == len(often) > 0:
         yield "rows repeat: all sensors show the same again and again"
     elif held:
         words = ", ".join(f"{name} in {often[name]:.0%} of the rows" for name in held)
         yield f"samples repeat the one before: {words}"
-    for name, (t, again) in same.items():
-        run = _longest(again)
-        if name not in held and run is not None:
+    for name, (t, x) in same.items():
+        run = _longest(np.diff(x) == 0)
+        if name not in held and run is not None and _leaps_beside(x, *run):
             start, end = run
             words = f"{name} is stuck: the same value from t = {t[start]:.4g} to "
             yield f"{words}{t[end]:.4g} s"
 
 
-def _longest(again: np.ndarray) -> tuple[int, int] | None:
+def _longest(again: Bool[np.ndarray, " n"]) -> tuple[int, int] | None:
     """The longest run, where it is long; a sensor that rests for long is not stuck."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], again.astype(int), [0]])))
     starts, ends = edges[::2], edges[1::2]
@@ -49,3 +53,10 @@ def _longest(again: np.ndarray) -> tuple[int, int] | None:
     if ends[k] - starts[k] < LONG:
         return None
     return int(starts[k]), int(ends[k] - 1)
+
+
+def _leaps_beside(x: Float[np.ndarray, " n"], start: int, end: int) -> bool:
+    """Whether it moves by many counts just before or after it shows the same."""
+    steps = np.abs(np.diff(x))
+    beside = np.append(steps[max(start - LONG, 0) : start], steps[end + 1 :][:LONG])
+    return bool(beside.max(initial=0.0) > COUNTS * steps[steps > 0].min())

@@ -19,6 +19,17 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 
+class Rival(NamedTuple):
+    """A cause that is not tried, or does not explain the recording by itself."""
+
+    falls: float
+    """Fall of the misfit that this cause would bring, to first order."""
+    cause: str
+
+
+NONE = Rival(-np.inf, "")
+
+
 class Trial(NamedTuple):
     """What came of it."""
 
@@ -31,6 +42,8 @@ class Trial(NamedTuple):
     """Whether samples show it by themselves: then no fall in the misfit is wanted."""
     tolerable: bool = False
     """Whether the robot file can declare a tolerance that covers it."""
+    rival: Rival = NONE
+    """The best of the other causes that may look like it."""
     fits: bool = False
     """Whether it is accepted, or shows too little of the mass and nothing wrong."""
 

@@ -62,13 +62,9 @@ class Disturbance(NamedTuple):
     effect: Effect
     positive: bool = False
     """Whether less than zero is impossible."""
-    acts: float = 0.0
-    """How many times the effect acts where the number is zero: once for recorded
-    thrust, whose number is the relative error of its gain; else not at all."""
     std: float = 1.0
-    """The number's standard deviation beforehand, in its unit; of an agent's columns,
-    where the agent is of size one. Zero means that it does not act, and that recorded
-    thrust is exact."""
+    """The number's standard deviation beforehand, in its unit, where the agent is of
+    size one."""
 
 
 class Agent:

@@ -47,6 +47,9 @@ SLOW = tuple(group for group, each in AGENTS.items() if each.slow)
 WALKS = tuple(group for group, each in AGENTS.items() if each.density)
 """Groups of waves, in the order of `MomentumWalk`."""
 
+DENSITY = {group: AGENTS[group].density for group in WALKS}
+"""The fields of `MomentumWalk` that say how strong they are."""
+
 FREE = 1e3
 """SI: standard deviation beforehand of what may be anything."""
 

@@ -27,6 +27,8 @@ from orbident.files.names import joined, listed
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
+# A thruster that gives less than this part of its thrust, either way, may be dead.
+HALF = 0.5
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
 # So many sizes of what acts from outside are written out.
@@ -74,6 +76,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *alike_springs(estimate),
             *_changes(estimate),
             *_disturbances(estimate, problem),
+            *_thrusters(shown or estimate),
             *_two_explanations(problem, shown or estimate),
             *_at_rest(shown or estimate),
             *_what_may_act(shown or estimate, problem),
@@ -209,13 +212,39 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
+        shift = f"{largest.shift:.2g} sigmas" if np.isfinite(largest.shift) else "much"
         more = group in estimate.unexpected or group == PUSH
         yield Check(
             f"{group} from outside",
             "with care" if more else "trust",
             f"{in_words[group]}: {sizes}; it was identified with the parameters, one "
-            f"of which would be off by {largest.shift:.2g} sigmas without it",
+            f"of which would be off by {shift} without it",
             _remedy(group) if more else "",
+        )
+
+
+def _thrusters(estimate: Estimate) -> Iterator[Check]:
+    """Thrusters that are dead, or whose gain is further off than it may be."""
+    for name, fit in estimate.calibration.items():
+        share, subject = 1 + fit.value, name.removesuffix(".gain").replace(".", " ")
+        far = fit.value < -FAR * fit.std
+        dead = far and -HALF < share < min(FAR * fit.std, HALF)
+        if not name.endswith(".gain") or not (dead or np.isnan(fit.tolerance)):
+            continue
+        given = f"{share:.2f} +- {fit.std:.1g} of what is recorded"
+        does = f"gives {given}"
+        if dead:
+            does = f"gives no thrust ({given})"
+        elif share < -HALF:
+            does = f"acts the other way: it {does}"
+        elif share < 1:
+            does = f"is weak: it {does}"
+        yield Check(
+            name,
+            "with care",
+            f"{subject} {does}; it was identified with the parameters",
+            "look at its valve, supply and wiring, its number among the columns, and "
+            "its direction and thrust in the robot file",
         )
 
 

@@ -277,7 +277,7 @@ def whole(
                 pieces.keep(piece)
             progress(total.extent.rows / recording.rows)
         assert total is not None
-        locked = total.extent.locked(robot.joint_names)
+        locked = total.extent.locked(robot)
         if settings.locked or not locked:
             break
         settings.locked = locked

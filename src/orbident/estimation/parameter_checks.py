@@ -59,6 +59,9 @@ ALIKE = 0.15
 """Of two passive joints, the logarithm of the ratio of their frequencies: at 1 and
 0.8 Hz results hold, at equal ones they do not always."""
 
+MASS_BESIDE_NOMINAL = "mass beside the nominal one"
+"""The check's name."""
+
 SPREAD = 0.5
 """Forms of Eq. 32 that differ by more than this do not measure one mass."""
 
@@ -141,8 +144,8 @@ def beside_nominal(M: Quantity, nominal: float, wheels: int) -> Iterator[Check]:
     ]
     known = "wheel speeds and the wheels' inertia" if wheels else "the thrust"
     yield Check(
-        "mass beside the nominal one",
-        "with care",
+        MASS_BESIDE_NOMINAL,
+        "do not trust" if wheels and units else "with care",
         f"mass: {M.value:.4g} kg is {times:.2g} times the nominal {nominal:.4g} kg, "
         f"and only {'wheels' if wheels else 'thrust'} can say how large pi and M are",
         f"see whether wheel speeds are in {units[0]} and not in rad/s"

@@ -16,6 +16,7 @@ from pydantic import (
 )
 from typing_extensions import TypedDict
 
+from orbident.choices import CauseSearch
 from orbident.errors import InputError
 from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check, Level, worst
@@ -207,6 +208,18 @@ class Result(BesideParameters, Identified):
         refused = (c.words for c in self.checks if c.level == "do not trust")
         return next(refused, "")
 
+    def refusal_in_brief(self) -> list[str]:
+        """What refuses the result, and why: all else is in `warnings`.
+
+        That is its cause, where one is known, or else what was not determined.
+        """
+        failed = [check for check in self.checks if not check.passed]
+        refused = [check for check in failed if check.level == "do not trust"]
+        if refused and refused[0].name == "cause":
+            return [check.words for check in refused[:2]]
+        lost = [check for check in failed if check.name == "pi determined"]
+        return [check.words for check in (*refused[:1], *lost)]
+
     def summary(self) -> list[str]:
         """What a result says first, as lines of text for one screen.
 
@@ -229,10 +242,13 @@ class Result(BesideParameters, Identified):
         return [head, mass, "", *short_table(self.base)]
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields, with values instead of functions that know the whole problem."""
+        """The fields, with values instead of functions that know the whole problem.
+
+        A cause that is to be kept is looked for before: `with_causes` takes seconds.
+        """
         computed = ("sensitivity", "budget", "signals")
         return {
-            **vars(self.with_causes()),
+            **vars(replace(self, solved=None)),
             **{name: as_computed(getattr(self, name)()) for name in computed},
         }
 
@@ -275,13 +291,16 @@ class Result(BesideParameters, Identified):
             nominal=(base.nominal - rotors)[has],
         )
 
-    def with_causes(self) -> "Result":
+    def with_causes(self, search: CauseSearch = "quick") -> "Result":
         """The result with the likely cause of a refusal as the first of its checks.
 
-        Causes are put right one at a time and the recording is fitted again, which
-        takes some seconds.
+        Causes are put right one at a time and the recording is fitted again.
+
+        Args:
+            search: ends after some seconds ("quick"), or tries all, which may take a
+                minute; or "none".
         """
-        causes = () if self.solved is None else provided("causes")(self.solved)
+        causes = () if self.solved is None else provided("causes")(self.solved, search)
         return replace(self, checks=(*causes, *self.checks), solved=None)
 
     def withheld(self) -> "Result":

@@ -200,6 +200,8 @@ class Prior(NamedTuple):
     std: Float[np.ndarray, " common"]
     others: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
     """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
+    measured: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
+    """The same of what scales and balances said."""
 
     def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
         """The prior with more unknowns, which are zero with these deviations."""
@@ -214,21 +216,27 @@ class Prior(NamedTuple):
         """Add the prior to a triangular factor over changes of `[g, rhs]`."""
         rhs = (self.values - state.common) / self.std
         factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
-        if not len(self.others):
-            return factor
-        first = self.others.shape[1] - 1
-        rows = np.zeros((len(self.others), len(factor)))
-        rows[:, :first], rows[:, -1] = self.others[:, :-1], self._unexplained(state)
-        return fold(factor, rows)
+        for equations in (self.others, self.measured):
+            if len(equations):
+                first = equations.shape[1] - 1
+                rows = np.zeros((len(equations), len(factor)))
+                rows[:, :first] = equations[:, :-1]
+                rows[:, -1] = _unexplained(equations, state)
+                factor = fold(factor, rows)
+        return factor
 
     def cost(self, state: Unknowns) -> float:
         """Squared, whitened."""
         own = (state.common - self.values) / self.std
-        return float(np.sum(own**2) + np.sum(self._unexplained(state) ** 2))
+        more = (_unexplained(x, state) for x in (self.others, self.measured))
+        return float(np.sum(own**2) + sum(np.sum(each**2) for each in more))
 
-    def _unexplained(self, state: Unknowns) -> Float[np.ndarray, " rows"]:
-        A, b = self.others[:, :-1], self.others[:, -1]
-        return b - A @ state.common[: A.shape[1]]
+
+def _unexplained(
+    equations: Float[np.ndarray, "rows columns"], state: Unknowns
+) -> Float[np.ndarray, " rows"]:
+    A, b = equations[:, :-1], equations[:, -1]
+    return b - A @ state.common[: A.shape[1]]
 
 
 class Solution(NamedTuple):

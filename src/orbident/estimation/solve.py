@@ -23,6 +23,7 @@ from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import Recursive
+from orbident.extras import provided
 from orbident.files.names import joined
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
@@ -141,9 +142,11 @@ def solve(
     problem, shown = _begun(robot, recording, initial_momentum, estimator, reading)
     if not isinstance(estimator, OutputError):
         _check_outside(problem, estimator)
-    if shown is None and not obstacles(problem):
+    # What needs no fit comes first.
+    mistaken = [] if shown else provided("plain_mistake")(problem)
+    if shown is None and not (mistaken or obstacles(problem)):
         problem, shown = evidence(problem, estimator, later)
-    hindered = obstacles(problem)
+    hindered = [*mistaken, *obstacles(problem)]
     if hindered:
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.files.json_parts import FiniteNumber
+from orbident.files.json_parts import FiniteNumber, NullableNumber
 
 
 class CalibrationFit(NamedTuple):
@@ -18,8 +18,9 @@ class CalibrationFit(NamedTuple):
 
     value: FiniteNumber
     std: FiniteNumber
-    tolerance: FiniteNumber
-    """The standard deviation beforehand, as the robot file declares it."""
+    tolerance: NullableNumber
+    """The standard deviation beforehand, as the robot file declares it; NaN of a gain
+    that is further off than that, and so was free."""
 
 
 class SpringFit(NamedTuple):
@@ -92,9 +93,9 @@ class DisturbanceFit(NamedTuple):
     unit: str
     value: FiniteNumber
     std: FiniteNumber
-    shift: FiniteNumber
+    shift: NullableNumber
     """How far off the base parameter that it concerns most would be, in its deviations,
-    had the group been left out."""
+    had the group been left out; NaN where only another fit could tell."""
 
 
 class Unknown(NamedTuple):

@@ -22,6 +22,7 @@ from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
+from orbident.preprocessing.wrenches import recorded_thrust
 from orbident.recordings.recording import Recording
 
 Verdict = Literal["explained", "not explained", "not judged"]
@@ -29,6 +30,13 @@ Verdict = Literal["explained", "not explained", "not judged"]
 MISSED = 0.1
 """Share of the squared signal: even where a recording tells too little to judge by, a
 larger squared error is no noise."""
+
+
+UNSCORED = "it was not measured, or thrust acts, which no prediction has"
+"""Why a signal has no error."""
+
+SCORED = ("gyro", "velocity")
+"""The signals that are predicted."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,11 +73,11 @@ class Validation(JsonPart):
     def summary(self) -> list[str]:
         """The errors of every signal and what explains them, as lines of text."""
         lines = []
-        for name, unit in (("gyro", "rad/s"), ("velocity", "m/s")):
+        for name, unit in zip(SCORED, ("rad/s", "m/s"), strict=True):
             rms, std = self.rms[name], self.std[name]
             left = self.noise.get(name, np.nan)
             if not np.isfinite(rms):
-                lines.append(f"{name:9} was not measured")
+                lines.append(f"{name:9} is not scored: {UNSCORED}")
                 continue
             percent = f"{100 * self.nrmse[name]:.3g} % of the signal"
             lines.append(f"{name:9} error {rms:.3g} {unit} RMS, {percent}")
@@ -97,6 +105,8 @@ class Validation(JsonPart):
 def validate(result: Result, recording: Recording) -> Validation:
     """Predict a recording's base rates and velocities, score and judge the errors.
 
+    Where thrust is recorded, the motion is not predicted, and parameters are compared.
+
     Args:
         result: complete and not rejected.
         recording: of the same robot; one that the result is not from says most.
@@ -109,7 +119,8 @@ def validate(result: Result, recording: Recording) -> Validation:
         InputError: the result is rejected or has undetermined parameters, or the
             recording lacks what prediction needs.
     """
-    scores = scored(result, recording)
+    thrust = any(recorded_thrust(result.robot, recording))
+    scores = _unscored(recording) if thrust else scored(result, recording)
     own = identify(result.robot, recording, initial_momentum=result.initial_momentum)
     if own.status == "rejected" and result.initial_momentum != "unknown":
         # What was known of one recording's momentum need not hold for another.
@@ -119,7 +130,22 @@ def validate(result: Result, recording: Recording) -> Validation:
         verdict = "not explained" if missed**2 > MISSED else "not judged"
         reason = f"of itself the recording is refused: {own.refusal()}"
         return replace(scores, verdict=verdict, reason=reason)
-    return replace(_compared(result, own, scores), noise=_noise(own, recording))
+    noise = {} if thrust else _noise(own, recording)
+    return replace(_compared(result, own, scores), noise=noise)
+
+
+def _unscored(recording: Recording) -> Validation:
+    none: dict[str, NullableNumber] = dict.fromkeys(SCORED, np.nan)
+    return Validation(
+        nrmse=none,
+        rms=none,
+        samples=recording.t.size,
+        std=none,
+        inside=none,
+        noise={},
+        verdict="not judged",
+        reason="",
+    )
 
 
 def _noise(own: Result, recording: Recording) -> dict[str, float]:

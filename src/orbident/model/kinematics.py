@@ -17,7 +17,7 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.model.core_robot import core_robot, core_tree
 from orbident.robot.description import Robot
-from orbident.robot.parameters import cross_matrix
+from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY, cross_matrix
 from orbident.threads import processors
 
 
@@ -120,6 +120,15 @@ class Inertia(NamedTuple):
         which = list(axes)
         D, D_q = self.D[:, which][:, :, which], self.D_q[:, which]
         return np.block([[D, D_q], [np.swapaxes(D_q, 1, 2), self.D_qq]])
+
+
+def first_moments(at: Poses) -> Float[np.ndarray, "n 3 theta"]:
+    """The first moment of all bodies about S by each of their parameters, base axes."""
+    n, bodies = at.d.shape[:2]
+    by_theta = np.zeros((n, 3, bodies, PER_BODY))
+    by_theta[..., MASS] = np.swapaxes(at.d, 1, 2)
+    by_theta[..., FIRST_MOMENT] = np.swapaxes(at.R, 1, 2)
+    return by_theta.reshape(n, 3, -1)
 
 
 def inertia(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Inertia:

@@ -203,7 +203,7 @@ class _Likelihood:
     ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"], float]:
         """Those of the samples less the constant, their variances, and ln |S|."""
         given = dict(zip(self._names, np.exp(logs), strict=True))
-        coloured = [given.get(name, 0.0) for name in MARKOV + WALK]
+        coloured = [*(given.get(name, 0.0) for name in MARKOV + WALK), 0.0]
         variance = np.full(self._t.size, given["white"] ** 2)
         both, S = _core.innovations(
             self._t, self._rows, variance, np.array(coloured, dtype=np.float64)

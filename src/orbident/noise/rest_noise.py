@@ -153,7 +153,7 @@ def drift(
     """
     at = 2 * (t - t[0]) / (t[-1] - t[0]) - 1
     rows = np.column_stack([np.polynomial.legendre.legvander(at, DEGREE), x])
-    coloured = np.array([model.value(name) for name in MARKOV + WALK])
+    coloured = np.array([*(model.value(name) for name in MARKOV + WALK), 0.0])
     variance = np.full(t.size, model.value("white") ** 2)
     innovations, S = _core.innovations(
         np.ascontiguousarray(t), rows, variance, coloured

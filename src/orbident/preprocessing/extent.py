@@ -3,53 +3,17 @@
 A long recording is gathered stretch by stretch.
 """
 
-from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
-import numpy as np
-from jaxtyping import Float
 from pydantic import Field
 from typing_extensions import TypedDict
 
 from orbident.files.json_parts import FiniteNumber, NumberOrNone
-from orbident.preprocessing.samples import LOCKED, Samples
+from orbident.preprocessing.held_joints import Range, held_joints
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
 NAMES = ("q", "qd", "qd_rw", "w")
-
-
-class Range(NamedTuple):
-    """The finite samples of some columns."""
-
-    low: Float[np.ndarray, " columns"]
-    """Infinite where there is none."""
-    high: Float[np.ndarray, " columns"]
-    samples: Float[np.ndarray, " columns"]
-    total: Float[np.ndarray, " columns"]
-
-    @classmethod
-    def of(cls, columns: Sequence[Float[np.ndarray, " samples"]]) -> "Range":
-        """Those of these columns."""
-        found = np.empty((4, len(columns)))
-        for k, column in enumerate(columns):
-            x = column[np.isfinite(column)]
-            low, high = x.min(initial=np.inf), x.max(initial=-np.inf)
-            found[:, k] = low, high, x.size, x.sum()
-        return cls(*found)
-
-    def and_of(self, other: "Range") -> "Range":
-        """Those of both."""
-        return Range(
-            np.minimum(self.low, other.low),
-            np.maximum(self.high, other.high),
-            self.samples + other.samples,
-            self.total + other.total,
-        )
-
-    def ends(self, k: int) -> list[float] | None:
-        """The least and the largest value of column `k`; None without a sample."""
-        both = [float(self.low[k]), float(self.high[k])]
-        return both if self.samples[k] else None
 
 
 class Extent(NamedTuple):
@@ -75,18 +39,10 @@ class Extent(NamedTuple):
         ranges = {n: each.and_of(other.ranges[n]) for n, each in self.ranges.items()}
         return Extent(self.start, other.end, self.rows + other.rows, ranges)
 
-    def locked(self, names: Sequence[str]) -> dict[str, float]:
-        """The joints that did not move, and where they are held.
-
-        Args:
-            names: of all joints.
-        """
-        q = self.ranges["q"]
-        return {
-            name: float(q.total[k] / q.samples[k])
-            for k, name in enumerate(names)
-            if q.high[k] - q.low[k] < LOCKED
-        }
+    def locked(self, robot: Robot) -> dict[str, float]:
+        """The joints that did not move, and where they are held, rad or m."""
+        dt = (self.end - self.start) / (self.rows - 1)
+        return held_joints(robot, self.ranges["q"], self.ranges["qd"], dt)
 
 
 Ends = Annotated[list[FiniteNumber], Field(min_length=2, max_length=2)] | None

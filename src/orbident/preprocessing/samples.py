@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from orbident.preprocessing.base_motion import base_motion, point_velocity
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.held_joints import Range, held_joints
 from orbident.preprocessing.histories import Columns, Histories, histories
 from orbident.preprocessing.integrals import bias_response
 from orbident.preprocessing.origins import BIASED, Origin
@@ -21,9 +22,6 @@ from orbident.preprocessing.wrenches import (
 )
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-
-LOCKED = 1e-3
-"""A joint that moved less (rad or m) did not move: encoders are finer than that."""
 
 
 class Batch(NamedTuple):
@@ -224,7 +222,11 @@ def samples_of(
     base = base_motion(recording, robot.sensors, behind["attitude"], settings)
     point = point_velocity(recording, base.x_WB, behind, settings)
     around = surroundings(robot, recording, base.x_WB)
-    moving = _locked_apart(joints, robot.joint_names, settings.locked)
+    held = settings.locked
+    if held is None:
+        q, qd = Range.of(joints.positions), Range.of(joints.rates)
+        held = held_joints(robot, q, qd, float(np.median(np.diff(recording.t))))
+    moving = _locked_apart(joints, robot.joint_names, held)
     return Samples(
         t=recording.t,
         q=moving.q,
@@ -254,23 +256,14 @@ class _Joints(NamedTuple):
 
 
 def _locked_apart(
-    joints: Histories, names: tuple[str, ...], held: Mapping[str, float] | None
+    joints: Histories, names: tuple[str, ...], held: Mapping[str, float]
 ) -> _Joints:
-    """Joints that did not move are held: their encoders' noise is no motion."""
-    if held is None:
-        means = zip(names, map(mean_if_locked, joints.positions), strict=True)
-        held = {name: mean for name, mean in means if mean is not None}
     q, qd = [], []
     for name, position, rate in zip(names, joints.positions, joints.rates, strict=True):
         still = name in held
         q.append(np.full_like(position, held[name]) if still else position)
         qd.append(np.zeros_like(rate) if still else rate)
     return _Joints(tuple(q), tuple(qd), tuple(held))
-
-
-def mean_if_locked(q: Float[np.ndarray, " samples"]) -> float | None:
-    """Where a joint is held that did not move; None for one that did."""
-    return float(np.nanmean(q)) if np.nanmax(q) - np.nanmin(q) < LOCKED else None
 
 
 def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:

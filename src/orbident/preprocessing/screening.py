@@ -7,10 +7,12 @@ from itertools import chain
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.integrate import cumulative_trapezoid
 
 from orbident.errors import InputError
 from orbident.preprocessing.angles import (
     GAP,
+    REMEMBERED,
     TURN,
     turned_between,
     unwrapped,
@@ -34,6 +36,9 @@ FEWEST = 10
 
 MOVED = 1e-3
 """rad or m: a joint that moved more turns the base."""
+
+FASTEST = 1000.0
+"""rad/s, 9500 turns a minute: no reaction wheel is faster."""
 
 MARGIN = 0.05
 """Part of a joint's range: beyond its stops by so much it cannot have been."""
@@ -227,7 +232,11 @@ def _changed(recording: Recording, columns: Mapping[str, np.ndarray]) -> Recordi
 def _unwrapped(
     robot: Robot, recording: Recording, settings: Settings
 ) -> dict[str, np.ndarray]:
-    """Angles that were shown within one turn, as they go on."""
+    """Angles that were shown within one turn, as they go on.
+
+    Raises:
+        InputError: a wheel may have turned by any number of turns between samples.
+    """
     t, found = recording.t, {}
     ranges = {
         f"joint.{each.name}.position": each.position
@@ -240,13 +249,39 @@ def _unwrapped(
         angle = recording.columns[name]
         if not settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
             continue
-        # A joint goes to and fro, and a wheel on and on.
-        steady = GAP * float(np.median(np.diff(t))) if name in ranges else np.inf
-        x = unwrapped(t, angle, TURN, steady)
-        if between := ranges.get(name):
-            x = turned_between(t, x, between, steady)
-        found[name] = x
+        if name in ranges:
+            # A joint goes to and fro, and a wheel on and on.
+            steady = GAP * float(np.median(np.diff(t)))
+            x = unwrapped(t, angle, TURN, steady)
+            between = ranges[name]
+            found[name] = turned_between(t, x, between, steady) if between else x
+        else:
+            found[name] = _turned_on(recording, name)
     return found
+
+
+def _turned_on(recording: Recording, name: str) -> Float[np.ndarray, " n"]:
+    """The angle of a wheel with whole turns added, rad.
+
+    How many turns it makes from one sample to the next, its speed says; or it was at
+    rest at first, and has spun up from there; or samples follow too fast for a turn.
+    """
+    t, angle = recording.t, recording.columns[name]
+    speed = name.replace(".position", ".speed")
+    if recording.has(speed):
+        known = np.flatnonzero(np.isfinite(recording.columns[speed]))
+        rate = np.interp(t, t[known], recording.columns[speed][known])
+        turned = cumulative_trapezoid(rate, t, initial=0.0)
+        return turned + unwrapped(t, angle - turned, TURN, 0.0)
+    first = angle[np.isfinite(angle)][:REMEMBERED]
+    ambiguous = FASTEST * float(np.median(np.diff(t))) > TURN / 2
+    if ambiguous and np.ptp(first) > MOVED:
+        raise InputError(
+            f"{recording.source}: column '{name}' shows the angle within one turn, and "
+            "how many turns the wheel makes between two samples nothing tells; give "
+            f"'{speed}' too, or the angle as it goes on"
+        )
+    return unwrapped(t, angle)
 
 
 def _spikes(recording: Recording, name: str) -> np.ndarray:

@@ -136,6 +136,17 @@ class RecordedWrench(NamedTuple):
     """About S, N m."""
     dipole: Float[np.ndarray, "samples 3"]
     """Of a torquer, A m^2: the field makes a torque of it."""
+    valve: bool = False
+    """Whether it is a thruster's: along one direction, and switched."""
+
+
+def thrust_seen(wrenches: Sequence[RecordedWrench]) -> Iterator[str]:
+    """`thrusters` where any is switched, and `thrusters together` where several act."""
+    on = np.array([each.force.any(axis=1) for each in wrenches if each.valve])
+    if any(np.diff(each.force, axis=0).any() for each in wrenches if each.valve):
+        yield "thrusters"
+    if (on.sum(axis=0) > 1).any():
+        yield "thrusters together"
 
 
 Wrenches = tuple[RecordedWrench, ...]
@@ -195,7 +206,7 @@ def recorded_thrust(robot: Robot, recording: Recording) -> tuple[Wrenches, Wrenc
 
 
 def _acting(wrenches: Iterator[RecordedWrench]) -> Wrenches:
-    return tuple(w for w in wrenches if any(x.any() for x in w[2:]))
+    return tuple(w for w in wrenches if any(x.any() for x in w[2:5]))
 
 
 def _of_torquers(robot: Robot, recording: Recording) -> Iterator[RecordedWrench]:
@@ -215,7 +226,8 @@ def _of_thrusters(robot: Robot, recording: Recording) -> Iterator[RecordedWrench
         arm = thruster.position - robot.feature_point
         name = f"thruster.{thruster.name}"
         torque = np.cross(arm, force)
-        yield RecordedWrench(name, thruster.gain, force, torque, np.zeros_like(force))
+        none = np.zeros_like(force)
+        yield RecordedWrench(name, thruster.gain, force, torque, none, valve=True)
 
 
 def _newton(thruster: Thruster, recording: Recording) -> Float[np.ndarray, " samples"]:

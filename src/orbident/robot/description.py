@@ -25,7 +25,13 @@ from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
-from orbident.robot.units import Rate, Share, measure_of
+from orbident.robot.units import (
+    MeasuredQuantity,
+    Rate,
+    Share,
+    measure_of,
+    measurement_of,
+)
 
 POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
 """Reads a point of a robot file as an array."""
@@ -149,6 +155,18 @@ class Thruster:
     """Its force at a duty of one, N."""
 
 
+@dataclass(frozen=True)
+class KnownQuantities:
+    """What scales and balances said of the robot, beside all recordings of it."""
+
+    mass: Annotated[MeasuredQuantity, measurement_of("mass")] | None = None
+    """Of the whole robot, kg."""
+    com: Mapping[Axis, Annotated[MeasuredQuantity, measurement_of("length")]] = field(
+        default_factory=dict
+    )
+    """Its CM along axes of the base link's frame, all joints at zero, m."""
+
+
 class MomentumWalk(NamedTuple):
     """White torque and force from outside: momentum is a random walk.
 
@@ -262,6 +280,8 @@ class Robot:
     and is absent may have one."""
     thrusters: tuple[Thruster, ...] = ()
     torquers: tuple[Torquer, ...] = ()
+    known: KnownQuantities = field(default_factory=KnownQuantities)
+    """What was measured of it beside recordings."""
     structure: Mapping[str, Structure] = field(default_factory=dict)
     """Structure of bodies by name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)

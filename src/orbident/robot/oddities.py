@@ -239,11 +239,12 @@ def _without_limits(robot: Robot) -> list[str]:
 
 
 def _without_wheels(robot: Robot) -> list[str]:
-    if robot.wheels:
+    if robot.wheels or robot.thrusters:
         return []
     return [
-        "no wheels: without a momentum that is known, pi has no scale and the mass is "
-        "not identified; declare the wheels, or the joints that are wheels"
+        "no wheels and no thrusters: without a momentum that is known, pi has no scale "
+        "and the mass is not identified; declare wheels (joints that are wheels) "
+        "or thrusters"
     ]
 
 

@@ -82,10 +82,11 @@ def assembled(
         passive=file.passive,
         at_rest=file.at_rest,
         orbit=orbit,
+        known=file.known,
         structure=file.structure,
         sensors=file.sensors,
         tolerances=replace(
-            file.tolerances.in_si(bodies.joints, place),
+            file.tolerances.in_si(bodies.joints, file.thrusters, place),
             joint_frequency={n: each.tolerance for n, each in file.passive.items()},
             joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
         ),

@@ -25,6 +25,7 @@ from orbident.files.schema_parts import (
 from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import (
     AtRest,
+    KnownQuantities,
     MomentumWalk,
     Stillness,
     Structure,
@@ -135,6 +136,7 @@ class RobotFile(MappingSchema):
     at_rest: Stillness = AtRest()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
+    known: Annotated[KnownQuantities, keys_of(KnownQuantities)] = KnownQuantities()
     structure: dict[str, KnownStructure] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()
     tolerances: ToleranceSection = TolerancesEntry()

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, create_model
 from orbident.errors import InputError
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import MappingSchema, WrongValueError
-from orbident.robot.description import Joint
+from orbident.robot.description import Joint, Thruster
 from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
 from orbident.robot.units import (
     OF_A_JOINT,
@@ -72,8 +72,13 @@ class TolerancesEntry(
 ):
     """Standard deviations of calibration errors; what is absent is as usual."""
 
-    def in_si(self, joints: Sequence[Joint], place: str) -> Tolerances:
-        """The tolerances of a robot with these joints.
+    def in_si(
+        self, joints: Sequence[Joint], thrusters: Sequence[Thruster], place: str
+    ) -> Tolerances:
+        """The tolerances of a robot with these joints and thrusters.
+
+        What is said of each thruster may be wrong of all of them alike, as where one
+        bench measured them: by as much as of the one that is known best.
 
         Raises:
             InputError: there is no such joint, or a joint that turns has a zero in
@@ -89,20 +94,21 @@ class TolerancesEntry(
                 )
         every = given["joints"].get(EVERY)
         own = {each.name: given["joints"].get(each.name, every) for each in joints}
+        alike = {"thruster_scale": min((each.gain for each in thrusters), default=0.0)}
         found: dict[str, Any] = {}
         for tolerance, kind in DECLARED.items():
             section, _, key = kind.entry.partition(".")
+            usual = alike.get(tolerance, kind.usual)
             if section == "joints":
                 stds = {name: getattr(entry, key, None) for name, entry in own.items()}
                 if kind.dimension == OF_A_JOINT:
                     stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
                 found[tolerance] = {
-                    name: kind.usual if std is None else std
-                    for name, std in stds.items()
+                    name: usual if std is None else std for name, std in stds.items()
                 }
             else:
                 std = getattr(given[section], key) if key else given[section]
-                found[tolerance] = kind.usual if std is None else std
+                found[tolerance] = usual if std is None else std
         return Tolerances(**found)
 
 

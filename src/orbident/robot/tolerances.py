@@ -56,7 +56,8 @@ def _of_all(*kind: Any, **more: Any) -> Any:
 class Tolerances:
     """Standard deviations of calibration errors; zero where there are none.
 
-    They are in the order of the core's `calibration.hpp`.
+    They are in the order of the core's `calibration.hpp`; those of thrusters are not in
+    the core, and come last.
     """
 
     joint_zero: Mapping[str, float] = _of_each_joint(
@@ -113,6 +114,20 @@ class Tolerances:
         *("joint.{}.damping", "", "share"), of_all=SPRINGS
     )
     """Damping of each passive joint; its error is a logarithm."""
+    thruster_clock: float = _of_all(
+        "thrusters.clock", "clocks.thrusters", "time", usual=0.1
+    )
+    """How much later than recorded all thrusters switch, s."""
+    thruster_pulse: float = _of_all(
+        "thrusters.pulse", "thrusters.pulse", "time", usual=0.02
+    )
+    """How much longer than recorded all of them are on, s."""
+    thruster_coupling: float = _of_all(
+        "thrusters.coupling", "thrusters.coupling", "share", usual=0.05
+    )
+    """What each of them loses for every further one that is on, relative."""
+    thruster_scale: float = _of_all("thrusters.scale", "thrusters.scale", "share")
+    """What all of them give more than is recorded, relative."""
 
 
 CALIBRATION_KINDS: dict[str, CalibrationKind] = {

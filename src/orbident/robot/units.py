@@ -2,7 +2,7 @@
 
 import math
 import re
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from pydantic import BeforeValidator
 
@@ -127,6 +127,41 @@ def quantity(given: object, dimension: str) -> float:
     if abs(number * factor) > LARGEST:
         raise WrongValueError(f"give at most {LARGEST:g} {si}")
     return number * factor
+
+
+class MeasuredQuantity(NamedTuple):
+    """What somebody measured, in SI."""
+
+    value: float
+    std: float
+
+
+def measured(given: object, dimension: str) -> MeasuredQuantity:
+    """What was measured, and its standard deviation, such as `23.09 +- 0.01 kg`.
+
+    Args:
+        given: the text; the unit, of both, may be left out where it is SI's.
+        dimension: a key of `UNITS`.
+
+    Raises:
+        WrongValueError: a deviation is missing, or not above zero.
+    """
+    value, sign, std = str(given).partition("+-")
+    if not sign:
+        raise WrongValueError(
+            f"give a value and its deviation ('1.2 +- 0.1 {si_unit(dimension)}')"
+        )
+    _, unit = _split(std)
+    number, own = _split(value)
+    deviation = at_least_zero(std, dimension)
+    if not deviation:
+        raise WrongValueError("give a deviation above zero")
+    return MeasuredQuantity(quantity(f"{number} {own or unit}", dimension), deviation)
+
+
+def measurement_of(dimension: str) -> BeforeValidator:
+    """Reads what was measured, in SI."""
+    return BeforeValidator(lambda value: measured(value, dimension))
 
 
 def _split(given: object) -> tuple[float | None, str]:

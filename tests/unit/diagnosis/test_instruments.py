@@ -15,13 +15,13 @@ def test_every_error_is_of_one_kind():
     sensitivity = fitted(problem_with()).sensitivity
     assert sensitivity is not None
     names = [*sensitivity().alone]
-    known = [name for kind in kinds(clean().robot) for name in kind.names]
+    known = [name for kind in kinds(clean().robot, ()) for name in kind.names]
     own = [name for name in names if CLOCK.search(name)]
     assert sorted([*(name for name in known if name in names), *own]) == sorted(names)
 
 
 def _kind(family: str) -> ErrorKind:
-    return next(each for each in kinds(clean().robot) if each.family == family)
+    return next(each for each in kinds(clean().robot, ()) if each.family == family)
 
 
 def test_the_zero_of_a_joint():

@@ -42,7 +42,7 @@ def test_so_many_trials_without_a_least_cost_are_enough(
 
     for stage in STAGES:
         monkeypatch.setattr(module, stage, trials)
-    _tried(Solved(problem, [], lost, None), [], 0.0)
+    _tried(Solved(problem, [], lost, None), [], 0.0, float("inf"))
     assert len(made) == (LOST if fits else 4 * len(STAGES))
 
 

@@ -35,8 +35,15 @@ def test_a_pickled_result_says_the_same(method: Method):
 def test_a_refused_result_keeps_its_causes():
     result = identified("least-squares", -1.0)
     assert result.status == "rejected"
+    again = pickle.loads(pickle.dumps(result.with_causes()))
+    assert "the sign of x of the gyro differs" in again.refusal()
+
+
+def test_nobody_looks_for_causes_unless_asked():
+    result = identified("least-squares", -1.0)
     again = pickle.loads(pickle.dumps(result))
-    assert "the sign of x of the gyro differs" in again.with_causes().refusal()
+    assert again.with_causes().refusal() == result.refusal()
+    assert result.with_causes("none").refusal() == result.refusal()
 
 
 def test_a_pool_gives_results_back():

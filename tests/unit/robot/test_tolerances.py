@@ -41,6 +41,9 @@ def test_without_tolerances_instruments_are_as_usual(load_yaml):
         position_clock=1e-3,
         joint_place=exact,
         joint_direction=exact,
+        thruster_clock=0.1,
+        thruster_pulse=0.02,
+        thruster_coupling=0.05,
     )
 
 

@@ -46,9 +46,10 @@ inline double sweep(const Recorded& recorded, const LinearisedAt& at, bool forwa
   }
   for (int interval = begin; interval != stop; interval += on) {
     const int start = forward ? 0 : L, end = L - start;
-    EquationTable sensed{memory.rows, n, width, start, end, L, recorded.corrections(), 0, 0.0};
-    EquationTable continuity{memory.continuity,      n, width, start, end, L,
-                             recorded.corrections(), 0, 0.0};
+    EquationTable sensed{memory.rows,       n, width, start, end, L, recorded.corrections(),
+                         recorded.momentum, 0, 0.0};
+    EquationTable continuity{memory.continuity, n, width, start, end, L, recorded.corrections(),
+                             recorded.momentum, 0, 0.0};
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, 0.0);
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);

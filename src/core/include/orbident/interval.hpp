@@ -9,7 +9,7 @@
 // Unknowns, z of a boundary and g common to all, and the columns of a table:
 //
 //   z       turn 3 | gyro bias 3 | accelerometer bias 3 | lasting noise of attitude and position,
-//           axis by axis | corrections: values, rates
+//           axis by axis; a momentum that walks | corrections: values, rates
 //   g       outside | beta | calibration
 //   table   z near | z far | g | right-hand side
 //
@@ -128,12 +128,14 @@ inline void expand_with_passive(const Recorded& recorded, const LinearisedAt& at
 }
 
 // What acts at the fraction s of a row's step, by the parabola through its nodes.
-inline void act_between(const LinearisedAt& at, double s, const JointNode* const* nodes,
-                        BaseNode& base) {
+inline void act_between(const Recorded& recorded, const LinearisedAt& at, int interval, double s,
+                        const JointNode* const* nodes, BaseNode& base) {
   const double p[3] = {(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)};
   base.t = 0.0;
   for (int k = 0; k < 3; ++k) base.t += p[k] * nodes[k]->t;
   base.h_cm = contributed(contributions(base.t).h_cm, at.common);
+  if (recorded.momentum >= 0)
+    base.h_cm[2] += at.local[interval * recorded.local() + recorded.momentum];
   for (int k = 0; k < 3; ++k) {
     base.acting[k] = nodes[k]->acting;
     base.share[k] = p[k];
@@ -143,9 +145,9 @@ inline void act_between(const LinearisedAt& at, double s, const JointNode* const
 
 // The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
 // base that nutates fast needs smaller steps than joints that move slowly.
-inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, double s,
-                            const JointNode* const* nodes, BaseNode& base) {
-  act_between(at, s, nodes, base);
+inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, int interval,
+                            double s, const JointNode* const* nodes, BaseNode& base) {
+  act_between(recorded, at, interval, s, nodes, base);
   const double* p = base.share;
   Matrix3<double> D = Matrix3<double>::Zero();
   Vector3<double> h_moving = Vector3<double>::Zero();
@@ -167,7 +169,7 @@ inline void start_base(const Recorded& recorded, const LinearisedAt& at, int int
                        const JointNode& joints, BaseNode& base) {
   const IntervalColumns& c = recorded.columns;
   const JointNode* const nodes[3] = {&joints, &joints, &joints};
-  set_law_between(recorded, at, 0.0, nodes, base);
+  set_law_between(recorded, at, interval, 0.0, nodes, base);
   set_attitude(Eigen::Map<const Quaternion<double>>(at.x_WB + 4 * interval), base);
   TableRows phi(base.phi, 3, c.count());
   phi.setZero();
@@ -269,7 +271,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   joints_at(2 * first, *row);
   if (recorded.springs) {
     const JointNode* const nodes[3] = {row, row, row};
-    act_between(at, 0.0, nodes, *start);
+    act_between(recorded, at, interval, 0.0, nodes, *start);
     start_passive(recorded, at, interval, memory.own, *row, *start);
     expand_with_passive(recorded, at, memory, *row, *start);
   } else {
@@ -296,24 +298,23 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
       const double to_middle = (2 * i + 1) / (2.0 * steps), to_stop = (2 * i + 2) / (2.0 * steps);
       if (recorded.springs) {
         const double t = recorded.t[r];
-        act_between(at, to_middle, nodes, *middle);
-        act_between(at, to_stop, nodes, *stop);
+        act_between(recorded, at, interval, to_middle, nodes, *middle);
+        act_between(recorded, at, interval, to_stop, nodes, *stop);
         read_joints(recorded, at, interval, t + to_middle * dt, -1, t_start, duration, memory,
                     memory.own.joints[0]);
         read_joints(recorded, at, interval, t + to_stop * dt, i + 1 == steps ? r + 1 : -1, t_start,
                     duration, memory, memory.own.joints[1]);
         step_passive(recorded, at, dt / steps, *start, *middle, *stop, memory.own);
       } else {
-        set_law_between(recorded, at, to_middle, nodes, *middle);
-        set_law_between(recorded, at, to_stop, nodes, *stop);
+        set_law_between(recorded, at, interval, to_middle, nodes, *middle);
+        set_law_between(recorded, at, interval, to_stop, nodes, *stop);
         step(c, dt / steps, *start, *middle, *stop);
       }
       BaseNode* const at_half_way =
           2 * i + 1 == steps ? middle : (2 * i + 2 == steps ? stop : nullptr);
       if (at_half_way && recorded.springs)
         expand_with_passive(recorded, at, memory, *half_way, *at_half_way);
-      if (at_half_way && moving)
-        velocity_slopes(c, *half_way, *at_half_way, memory.velocity[1]);
+      if (at_half_way && moving) velocity_slopes(c, *half_way, *at_half_way, memory.velocity[1]);
       std::swap(start, stop);
     }
     if (recorded.springs) expand_with_passive(recorded, at, memory, *next, *start);
@@ -330,7 +331,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     std::swap(memory.velocity[0], memory.velocity[2]);
   }
   for (int k = 0; k < TRACKERS; ++k)
-    end_lasting(recorded, at, interval, end, *trackers[k], memory.whitening[k], sensed);
+    end_lasting(recorded, at, interval, end, *trackers[k], *start, memory.whitening[k], sensed);
   add_continuity(recorded, at, interval, duration, *start, continuity);
   add_passive_continuity(recorded, at, interval, duration, *start, continuity);
 }

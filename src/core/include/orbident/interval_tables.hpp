@@ -2,9 +2,9 @@
 // linearised, and the table they grow in.
 #pragma once
 
-#include "orbident/joint_momenta.hpp"
 #include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
+#include "orbident/joint_momenta.hpp"
 #include "orbident/whitening.hpp"
 
 namespace orbident {
@@ -18,6 +18,7 @@ struct Sensed {
   double* residuals;         // over the white noise; null where nobody asks
   const Coloured* coloured;  // of each axis; null where the noise is white
   int lasting;               // where the first of its lasting parts is in z
+  bool turns;                // attitude: what its rate walks by is the base's own motion
 
   void keep(std::ptrdiff_t at, double residual) const {
     if (residuals) residuals[at] = residual;
@@ -62,7 +63,8 @@ struct Recorded {
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting acting;
   Sensed gyro, accelerometer, attitude, joints, position, velocity;
-  int lasting;  // parts of the trackers' noise that last
+  int lasting;   // parts of the trackers' noise that last, and a momentum that walks
+  int momentum;  // where it is in z: how far that of a planar robot walked; -1 if it does not
   // How freely the unknowns of boundaries vary: standard deviations.
   const double* first;  // of z at the first row
   const double* prior;  // of corrections anywhere
@@ -99,7 +101,7 @@ struct PassiveNode {
 struct PassiveMemory {
   DirectionPlaces places;
   JointMomentaMemory at;
-  Motion<double>* geometry;  // fields of the calibrations of geometry
+  Motion<double>* geometry;      // fields of the calibrations of geometry
   const int *displaced, *place;  // their joints and their places
   double *m, *D_qq, *inertia, *U, *H, *L, *C, *K, *last;
   double* rates;        // of RK4: 8 x passive joints
@@ -109,8 +111,8 @@ struct PassiveMemory {
 struct IntervalMemory {
   TermsMemory terms;
   PassiveMemory own;
-  JointState after[2];   // what joints show at the two nodes after one
-  int knot = 0;          // the last one before a node
+  JointState after[2];  // what joints show at the two nodes after one
+  int knot = 0;         // the last one before a node
   JointNode node[3];
   BaseNode base[3];
   double* velocity[3];  // 3 x unknowns each
@@ -126,6 +128,7 @@ struct EquationTable {
   int start, end;  // columns of z at the interval's start and end
   int local;
   int corrections;  // where they begin in z
+  int momentum;     // where it is in z, or -1
   int rows;
   double cost;
 
@@ -154,6 +157,8 @@ struct EquationTable {
       for (int k = 0; k < count; ++k) to[k] = weight * slopes[from + k];
     };
     scaled(c.turn(), 3, row + start);
+    // It adds to the one that all intervals have in common.
+    if (momentum >= 0) scaled(c.outside() + 2, 1, row + start + momentum);
     scaled(c.corrections(), 2 * c.corrected, row + start + corrections);
     scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + corrections);
     scaled(c.outside(), c.common(), row + 2 * local);

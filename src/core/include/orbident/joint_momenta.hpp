@@ -79,9 +79,8 @@ inline void displace(const Tree& tree, int k, const Motion<double>& X, int direc
     const auto value = [](const Vector3<Directions>& x) {
       return Vector3<double>(x[0].a, x[1].a, x[2].a);
     };
-    const Vector3<double> w = value(S.w), u = value(S.u),
-                          by_w = X.w.cross(w), by_u = X.w.cross(u) + X.u.cross(w),
-                          by_d = X.u + X.w.cross(value(body.d));
+    const Vector3<double> w = value(S.w), u = value(S.u), by_w = X.w.cross(w),
+                          by_u = X.w.cross(u) + X.u.cross(w), by_d = X.u + X.w.cross(value(body.d));
     for (int r = 0; r < 3; ++r) {
       add(by_w[r], S.w[r]);
       add(by_u[r], S.u[r]);
@@ -162,9 +161,9 @@ inline void differentiate_by_beta(const Tree& tree, const Sparse& theta_of, int 
     const Motion<double>&S = at.field[k], &V = at.motion[tree.joint[k].parent];
     const Momentum<double> load = load_of(k + 1);
     memory.slopes[(3 + k) * all + column] = S.w.dot(load.h) + S.u.dot(load.p);
-    memory.slopes[(3 + K + k) * all + column] =
-        V.w.cross(S.w).dot(load.h) + (V.w.cross(S.u) + V.u.cross(S.w)).dot(load.p) +
-        back.cross(S.w).dot(at.momentum[k + 1].p);
+    memory.slopes[(3 + K + k) * all + column] = V.w.cross(S.w).dot(load.h) +
+                                                (V.w.cross(S.u) + V.u.cross(S.w)).dot(load.p) +
+                                                back.cross(S.w).dot(at.momentum[k + 1].p);
   }
 }
 

@@ -119,7 +119,8 @@ inline void invert_inertia(const Recorded& recorded, const double* theta, const 
   for (int k = 0; k < K; ++k) {
     if (recorded.passive(k)) continue;
     Eigen::Map<Vector3<double>>(m) += qd[k] * D_q(k);
-    for (int i = 0; i < recorded.springs; ++i) m[3 + i] += qd[k] * D_qq(recorded.spring[i].joint, k);
+    for (int i = 0; i < recorded.springs; ++i)
+      m[3 + i] += qd[k] * D_qq(recorded.spring[i].joint, k);
   }
   inertia.topLeftCorner<3, 3>() = all.D;
   for (int i = 0; i < recorded.springs; ++i) {
@@ -220,7 +221,8 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
       double& entry = C(Y + i, recorded.columns.calibration() + c);
       if (at.calibration.selected[c] == places.spring() + spring.like)
         entry -= 2 * held.square * inertia * q;
-      if (at.calibration.selected[c] == places.damper() + spring.like) entry -= held.damping * inertia * qd;
+      if (at.calibration.selected[c] == places.damper() + spring.like)
+        entry -= held.damping * inertia * qd;
     }
     node.p[i] = own.at.values[3 + k];
     node.p_rate[i] = own.at.values[3 + K + k] - pulls * inertia;
@@ -289,8 +291,7 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
 inline void finish_passive(const Recorded& recorded, BaseNode& base) {
   const int Y = rates_of_passive(recorded), N = states_of_passive(recorded),
             n = recorded.columns.count();
-  OwnTable(base.dw, Y, n) +=
-      OwnTable(base.passive->UH, Y, N).lazyProduct(OwnTable(base.phi, N, n));
+  OwnTable(base.dw, Y, n) += OwnTable(base.passive->UH, Y, N).lazyProduct(OwnTable(base.phi, N, n));
 }
 
 // The attitude at a node, with all that follows from it but rates.
@@ -382,8 +383,8 @@ inline void step_passive(const Recorded& recorded, const LinearisedAt& at, doubl
       to.p[j] = from.p[j] + step * p_rate[i - 1][j];
     }
     Vector3<double> w;
-    passive_rates(recorded, at, x_i, i < 3 ? middle.h_cm : end.h_cm, to.q, to.p,
-                  own.joints[i / 3], own, w, q_rate[i], p_rate[i]);
+    passive_rates(recorded, at, x_i, i < 3 ? middle.h_cm : end.h_cm, to.q, to.p, own.joints[i / 3],
+                  own, w, q_rate[i], p_rate[i]);
     k[i] = quaternion_rate(x_i, w);
   }
   for (int j = 0; j < P; ++j) {
@@ -402,8 +403,8 @@ inline void step_passive(const Recorded& recorded, const LinearisedAt& at, doubl
   };
   set(end, own.joints[1]);
   // Half-way by the cubic through values and rates at both ends.
-  set_passive_attitude(
-      (x + end.x_WB) / 2 + h / 8 * (k[0] - quaternion_rate(end.x_WB, end.w)), middle);
+  set_passive_attitude((x + end.x_WB) / 2 + h / 8 * (k[0] - quaternion_rate(end.x_WB, end.w)),
+                       middle);
   for (int j = 0; j < P; ++j) {
     mid.q[j] = (from.q[j] + to.q[j]) / 2 + h / 8 * (from.qd[j] - to.qd[j]);
     mid.p[j] = (from.p[j] + to.p[j]) / 2 + h / 8 * (from.p_rate[j] - to.p_rate[j]);
@@ -465,8 +466,7 @@ inline void add_passive(const Recorded& recorded, const TermsMemory& memory, con
 
 // Positions and rates at the end of an interval are those at the next one's start.
 inline void add_passive_continuity(const Recorded& recorded, const LinearisedAt& at, int interval,
-                                   double duration, const BaseNode& end,
-                                   EquationTable& equations) {
+                                   double duration, const BaseNode& end, EquationTable& equations) {
   const IntervalColumns& c = recorded.columns;
   const double* there = at.local + (interval + 1) * recorded.local() + recorded.corrections();
   const double root = walked(duration);

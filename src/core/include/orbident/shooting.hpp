@@ -104,9 +104,9 @@ struct BaseNode {
   Matrix3<double> R_WB;
   Vector3<double> h_B;
   Vector3<double> w;
-  double* G;         // 3 x unknowns, and more of passive joints (passive_joints.hpp)
-  double* phi;       // 3 x unknowns, and more
-  double* dw;        // 3 x unknowns, and more
+  double* G;    // 3 x unknowns, and more of passive joints (passive_joints.hpp)
+  double* phi;  // 3 x unknowns, and more
+  double* dw;   // 3 x unknowns, and more
   PassiveNode* passive;
   double* own_by;    // memory for BY_R rows
   Acting acting[3];  // at the nodes of its row, and the share of each

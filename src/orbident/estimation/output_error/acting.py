@@ -9,7 +9,7 @@ An accelerometer feels `F / M + b`.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -30,16 +30,19 @@ from orbident.environment.motion import (
 from orbident.environment.orbital import GravityGradient
 from orbident.environment.worlds import scale_of, what_may_act
 from orbident.errors import InputError
+from orbident.estimation.output_error.recorded_thrust import (
+    SHARED,
+    RecordedThrust,
+    ThrustErrors,
+)
 from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.estimation.unknowns import Unknown
-from orbident.files.bounds import TOGETHER
+from orbident.model.kinematics import first_moments
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.samples import OutsideMomentum, Samples
-from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import MayAct
-from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
 
 
 @dataclass(frozen=True)
@@ -62,19 +65,9 @@ class Followed:
         return with_middles(self.intervals.t)
 
     @cached_property
-    def wrenches(self) -> tuple[RecordedWrench, ...]:
+    def thrust(self) -> RecordedThrust:
         """What is known to act on the base from a row until the next."""
-        t = self.intervals.t
-        last = np.searchsorted(self.samples.t, t + TOGETHER, side="right") - 1
-        before = np.maximum(last, 0)
-        return tuple(
-            wrench._replace(
-                force=wrench.force[before],
-                torque=wrench.torque[before],
-                dipole=wrench.dipole[before],
-            )
-            for wrench in self.samples.wrenches
-        )
+        return RecordedThrust(self.motion, self.samples.t, self.samples.wrenches)
 
     @property
     def tracked(self) -> bool:
@@ -144,14 +137,7 @@ class Followed:
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
         """The first moment about S by each `beta`; inertial axes, kg m by its unit."""
-        at = self.motion.poses
-        n, bodies = at.d.shape[:2]
-        by_theta = np.zeros((n, 3, PER_BODY * bodies))
-        for i in range(bodies):
-            own = np.zeros((n, 3, PER_BODY))
-            own[:, :, MASS] = at.d[:, i]
-            own[:, :, FIRST_MOMENT] = at.R[:, i]
-            by_theta[:, :, PER_BODY * i : PER_BODY * (i + 1)] = own
+        by_theta = first_moments(self.motion.poses)
         return self.motion.R_WB @ (by_theta @ self.sets.base.theta_of)
 
 
@@ -197,10 +183,15 @@ class Acting:
         self.followed, self.first, self.allowed = followed, first, allowed
         self._still: tuple[tuple[int, ...], np.ndarray] | None = None
 
-    @cached_property
-    def recorded(self) -> tuple[Disturbance, ...]:
-        """What is known to act, but for a gain each; its places are the first."""
-        return tuple(recorded_gains(self.followed))
+    @property
+    def recorded(self) -> tuple[Unknown, ...]:
+        """Gains of what is known to act, behind the places of what thrusters share."""
+        first = float(self.first + SHARED)
+        return tuple(
+            Unknown(name, name, "1", each.gain, first + k)
+            for k, each in enumerate(self.followed.samples.wrenches)
+            for name in [f"{each.name}.gain"]
+        )
 
     def allowing(self, sizes: Mapping[str, float]) -> "Acting":
         """What acts in a world where it has other sizes, by group, SI."""
@@ -219,7 +210,7 @@ class Acting:
     @cached_property
     def unknowns(self) -> tuple[Unknown, ...]:
         """Sizes of all that may act beside recorded thrust, in the core's order."""
-        first = self.first + len(self.recorded)
+        first = self.first + SHARED + len(self.recorded)
         return tuple(
             Unknown(
                 each.name,
@@ -267,19 +258,19 @@ class Acting:
         tide = "nadir" in self.followed.samples.surroundings
         if not (sizes or self.recorded or tide):
             return np.zeros((0, ROWS, 1))
-        every = (*self.recorded, *(self.followed.disturbances if sizes else ()))
         motion, theta = self.followed.motion, self.followed.sets.theta(beta)
         r = by_step(motion.to_cm(theta))
-        total = motion.nothing
+        every, total = self._thrust(sizes) if self.recorded else ({}, motion.nothing)
         if tide:
             torque = by_step(GravityGradient().moment(motion, theta))
-            total = total._replace(torque=torque)
-        pushing = [k for k in sizes if every[k].effect.force.any()]
-        for k in {*range(len(self.recorded)), *pushing}:
-            size = every[k].acts + (sizes[k] if k in pushing else 0.0)
-            if size:
-                total = total.plus(size, every[k].effect)
-        own = self._moved([total, *(every[k].effect for k in pushing)], r, beta[0])
+            total = total._replace(torque=total.torque + torque)
+        acting = self.followed.disturbances if sizes.keys() - every.keys() else ()
+        for k, each in enumerate(acting, SHARED + len(self.recorded)):
+            every[k] = each.effect
+            if k in sizes and each.effect.force.any():
+                total = total.plus(sizes[k], each.effect)
+        pushing = [k for k in sizes if every[k].force.any()]
+        own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
         still = [k for k in sizes if k not in pushing]
         table = self._without_force(tuple(still))
         table[..., 0] = 0.0
@@ -291,6 +282,19 @@ class Acting:
         if not total.force.any():
             return table
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
+
+    def _thrust(self, sizes: Mapping[int, float]) -> tuple[dict[int, Effect], Effect]:
+        """What is recorded to act: by each of its errors, and all of it together."""
+        thrust, total = self.followed.thrust, self.followed.motion.nothing
+        errors = ThrustErrors(*(sizes.get(k, 0.0) for k in range(SHARED)))
+        gains = [sizes.get(SHARED + k, 0.0) for k in range(len(self.recorded))]
+        shared = sizes.keys() & {*range(SHARED)}
+        by = thrust.by(errors, np.array(gains)) if shared else ()
+        every = dict(enumerate(by))
+        for k, effect in enumerate(thrust.at(errors)):
+            every[SHARED + k] = effect
+            total = total.plus(1 + gains[k] * effect.force.any(), effect)
+        return every, total
 
     def given(
         self,
@@ -322,12 +326,17 @@ class Acting:
         Before them is a column for what all do together, so that nobody copies them.
         """
         if self._still is None or self._still[0] != which:
-            every = (*self.recorded, *self.followed.disturbances) if which else ()
-            effects = [every[k].effect for k in which]
+            effects = [self._still_effect(k) for k in which]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
             together = self.followed.motion.nothing
             self._still = which, self._moved([together, *effects], nowhere, 1.0)
         return self._still[1]
+
+    def _still_effect(self, k: int) -> Effect:
+        first = SHARED + len(self.recorded)
+        if k >= first:
+            return self.followed.disturbances[k - first].effect
+        return [*self.followed.thrust.at(ThrustErrors())][k - SHARED]
 
     def _moved(
         self, effects: Sequence[Effect], r: Float[np.ndarray, "steps 3 3"], M: float
@@ -365,24 +374,3 @@ class Acting:
         slopes[:, 6:9, 0], slopes[:, 9:12, 0] = integral(t, by_step(v)), v
         slopes[:, 12:15, 0] = at_nodes(felt)
         return slopes
-
-
-def recorded_gains(followed: Followed) -> Iterator[Disturbance]:
-    """The wrenches that were recorded, known up to a gain each.
-
-    A wrench holds in base axes, and turns with these, from a row until the next.
-
-    Args:
-        followed: the motion that was measured.
-    """
-    for each in followed.wrenches:
-        motion, steps = followed.motion, followed.t.size // 2
-        force, torque, dipole = (
-            np.einsum("skij,sj->ski", by_step(motion.R_WB), held[:steps])
-            for held in (each.force, each.torque, each.dipole)
-        )
-        if dipole.any():
-            torque = torque + np.cross(dipole, by_step(motion.surroundings["field"]))
-        effect = motion.nothing._replace(force=force, torque=torque)
-        name = f"{each.name}.gain"
-        yield Disturbance(name, name, "1", effect, acts=1.0, std=each.gain)

@@ -25,6 +25,7 @@ from orbident.estimation.solution import (
 )
 from orbident.estimation.triangular import triangular_factor
 from orbident.estimation.unknowns import Unknown
+from orbident.model.kinematics import first_moments, poses
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.springs import carried_inertia
 from orbident.preprocessing.samples import Samples
@@ -76,6 +77,8 @@ def prior_of(
     h_std = max(float(np.linalg.norm(outside.h_cm)), spin) or robot.mass
     if rest is None:
         rest = np.full(3, UNKNOWN * h_std)
+    # Nothing shows a momentum that would tilt a table's robot; tilts would move it.
+    rest = np.where(np.isin(np.arange(3), sets.regressors.momentum_axes), rest, 0.0)
     # What is exact has some width, so that equations stay solvable.
     std = np.append(np.maximum(rest, KNOWN * h_std), np.full(6, UNKNOWN))
     return Prior(
@@ -85,7 +88,7 @@ def prior_of(
         std=np.concatenate(
             [std, prior_std(robot, sets), [each.std for each in calibrations]]
         ),
-        others=_carried(robot, sets),
+        measured=np.vstack([measured_rows(robot, sets), _carried(robot, sets)]),
     )
 
 
@@ -97,6 +100,30 @@ def _carried(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, "rows columns
         by = by / (passive.inertia * (by @ robot.theta.ravel())) @ sets.base.theta_of
         rows.append([*np.zeros(OUTSIDE), *by, by @ beta])
     return np.reshape(rows, (len(rows), OUTSIDE + beta.size + 1))
+
+
+def measured_rows(
+    robot: Robot, sets: MinimalSets
+) -> Float[np.ndarray, "measured columns"]:
+    """Mass and CM that were measured: whitened equations over `[outside | beta]`.
+
+    A CM `c`, from S, with all joints at zero: `moments beta - M c = 0`, over the
+    deviation of `c` times the nominal mass.
+    """
+    theta_of, known = sets.base.theta_of, robot.known
+    moments = first_moments(poses(robot, np.zeros((1, len(robot.joints)))))[0]
+    rows = np.zeros((0, OUTSIDE + theta_of.shape[1] + 1))
+    whole = np.eye(1, theta_of.shape[1])[0]
+    if known.mass is not None:
+        value, std = known.mass
+        row = np.concatenate([np.zeros(OUTSIDE), whole, [value]])
+        rows = np.vstack([rows, row / std])
+    for axis, (value, std) in known.com.items():
+        k = "xyz".index(axis)
+        by = moments[k] @ theta_of - (value - robot.feature_point[k]) * whole
+        row = np.concatenate([np.zeros(OUTSIDE), by, [0.0]])
+        rows = np.vstack([rows, row / (std * robot.mass)])
+    return rows
 
 
 def with_others(prior: Prior, others: Shared, calibrations: Sequence[Unknown]) -> Prior:
@@ -120,7 +147,7 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     # What is known of the shared ones beforehand is known once, not in each recording.
     std = prior.std.copy()
     std[shared] = np.inf
-    alone = prior._replace(std=std, others=NO_EQUATIONS)
+    alone = prior._replace(std=std, others=NO_EQUATIONS, measured=NO_EQUATIONS)
     factor = alone.added(common, state)
     left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]

@@ -38,7 +38,8 @@ def calibrations_of(
 
     Args:
         robot: with its tolerances.
-        recorded: names of the sensors that were recorded.
+        recorded: names of the sensors that were recorded, and what was seen of thrust
+            (`thrust_seen`).
         free: standard deviations beforehand in place of tolerances, by family; SI.
     """
     shown = _axes_that_show(robot, recorded)
@@ -114,6 +115,10 @@ def _axes_that_show(
         "joint_clock": where(bool(robot.joints)),
         "attitude_clock": where(attitude and gyro),
         "position_clock": where(position),
+        "thruster_clock": where("thrusters" in recorded),
+        "thruster_pulse": where("thrusters" in recorded),
+        "thruster_coupling": where("thrusters together" in recorded),
+        "thruster_scale": where("thrusters" in recorded),
         "joint_place": moving,
         "joint_direction": turning,
     }

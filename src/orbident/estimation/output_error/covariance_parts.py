@@ -16,7 +16,11 @@ from jaxtyping import Float
 
 from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
-from orbident.estimation.output_error.sensors import MARKOV_STD, RANDOM_WALK, TRACKERS
+from orbident.estimation.output_error.sensors import (
+    TRACKERS,
+    lasting_parts,
+    parts_of_boundaries,
+)
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.threads import one_blas_thread
 
@@ -63,10 +67,13 @@ def covariance_parts(problem: Problem, solution: Solution) -> ErrorSources:
     for name, (kind, which) in _families(problem, solution).items():
         parts[name] = ErrorSource(kind, _squared(before[which]), known(which))
     parts["nominal values"] = ErrorSource("other", _squared(before[beta]))
-    if len(prior.others):
-        A = prior.others[:, :-1]
-        part = _squared(A @ X[: A.shape[1]])
-        parts["other recordings"] = ErrorSource("recording", part)
+    for name, kind, equations in (
+        ("other recordings", "recording", prior.others),
+        ("known beforehand", "other", prior.measured),
+    ):
+        if len(equations):
+            A = equations[:, :-1]
+            parts[name] = ErrorSource(kind, _squared(A @ X[: A.shape[1]]))
     return parts
 
 
@@ -88,8 +95,11 @@ def _of_intervals(
     weights, size = solution.weights, problem.t.size
     none = np.zeros((size, 3))
     counts = np.hstack([weights.get(name, none) != 0 for name in AS_ADDED])
-    lasting = (problem.lasting[:, :, [MARKOV_STD, RANDOM_WALK]] > 0).sum(axis=(1, 2))
-    trackers = np.repeat([names.index(name) for name in TRACKERS], lasting)
+    of_trackers = [names.index(name) for name in TRACKERS]
+    trackers, own = (
+        np.repeat(of_trackers, parts(problem.lasting).sum(axis=(1, 2)))
+        for parts in (lasting_parts, parts_of_boundaries)
+    )
     going_on = np.repeat([names.index(name) for name in GOING_ON], 3)
     joints = names.index("joints")
     parts = np.zeros((len(names), X.shape[1], X.shape[1]))
@@ -106,9 +116,9 @@ def _of_intervals(
         before = np.concatenate([columns // 3, trackers, going_on])
         # Then passive joints, and encoders.
         add(rows, np.append(before, np.full(len(rows) - before.size, joints)))
-    of_joints = np.full(z.shape[1] - going_on.size - trackers.size, joints)
+    of_joints = np.full(z.shape[1] - going_on.size - own.size, joints)
     first = z[0] / problem.loose.first[:, None]
-    add(first, np.concatenate([going_on, trackers, of_joints]))
+    add(first, np.concatenate([going_on, own, of_joints]))
     return dict(zip(names, parts, strict=True))
 
 

@@ -14,16 +14,24 @@ The most likely density `q` is that of restricted likelihood (Harville 1977).
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from orbident.environment.agents import FREE, STEADY, WALKS
+from orbident.environment.agents import AGENTS, FREE, STEADY, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.problem import Problem
+from orbident.estimation.output_error.sensors import inertia_of_walks
+from orbident.estimation.output_error.walking_rates import (
+    RANGE,
+    ROUNDS,
+    STEP,
+    Density,
+    near,
+    with_rate_densities,
+)
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit, Unknown
 from orbident.model.minimal_sets import conserved_axes
@@ -32,7 +40,7 @@ from orbident.model.minimal_sets import conserved_axes
 def identified(
     problem: Problem,
     solution: Solution,
-    density_std: Mapping[str, float],
+    densities: Mapping[str, Density],
     freed: Collection[str],
 ) -> dict[str, DisturbanceFit]:
     """What acts, by the name of each number; a walk by its density.
@@ -43,7 +51,7 @@ def identified(
     Args:
         problem: a recording's equations.
         solution: of these.
-        density_std: the deviations of densities that were estimated, by their groups.
+        densities: those that were estimated, by their groups.
         freed: groups that are larger than they may be.
     """
     fits = {}
@@ -65,13 +73,24 @@ def identified(
         std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
         if group in WALKS:
             wave = problem.unknowns([group])[0]
-            deviation = density_std.get(group, 0.0)
-            fits[group] = DisturbanceFit(group, wave.unit, wave.std, deviation, shift)
+            known = densities.get(group, Density(wave.std, 0.0))
+            fits[group] = DisturbanceFit(group, wave.unit, wave.std, known.std, shift)
             continue
         for k, each in enumerate(problem.unknowns([group])):
             fits[each.name] = DisturbanceFit(
                 group, each.unit, float(value[k]), float(std[k]), shift
             )
+    return fits | _of_rates(problem, densities)
+
+
+def _of_rates(
+    problem: Problem, densities: Mapping[str, Density]
+) -> dict[str, DisturbanceFit]:
+    """Walks of rates, as those of the momenta; without them fits would be others."""
+    per_rate, fits = inertia_of_walks(problem.acting.followed.robot), {}
+    for group in problem.walking:
+        value, std = (x * per_rate[group] for x in densities[group])
+        fits[group] = DisturbanceFit(group, AGENTS[group].unit, value, std, np.nan)
     return fits
 
 
@@ -157,25 +176,6 @@ TOLD = 0.1
 """A recording says how large a number is if it tells this part of the variance that was
 known beforehand, at least. Where it tells less, errors of second order decide too."""
 
-RANGE = 1e6
-"""How far a density may be from the last guess, as a factor."""
-
-STEP = 0.05
-"""Step of a density's logarithm for second differences: it is known to some tenths."""
-
-ROUNDS = 6
-"""Times that densities are estimated, from equations at better and better states."""
-
-SETTLED = 0.1
-"""Change of a density's logarithm that changes no deviation by more than a tenth."""
-
-
-class Density(NamedTuple):
-    """How strong a walk most likely is; N m/sqrt(Hz), or N/sqrt(Hz)."""
-
-    value: float
-    std: float
-
 
 def most_likely_densities(
     R: Sequence[Float[np.ndarray, "n _"]],
@@ -225,7 +225,7 @@ def size_of(problem: Problem, solution: Solution, family: str) -> float:
     return most_likely_densities([np.diag(share)], value, C, [guess])[0].value
 
 
-def densities(
+def densities_of_waves(
     problem: Problem, solution: Solution, unknown: Sequence[str]
 ) -> dict[str, Density]:
     """The most likely density of every walk of which the robot file declares none.
@@ -260,7 +260,7 @@ def densities(
 
 def with_densities(
     problem: Problem, fit: Callable[[Problem], Solution]
-) -> tuple[Problem, dict[str, float]]:
+) -> tuple[Problem, dict[str, Density]]:
     """Take walks of which no density is declared to be as strong as is most likely.
 
     Args:
@@ -268,8 +268,10 @@ def with_densities(
         fit: finds a solution of such equations.
 
     Returns:
-        The equations, and the deviation of each density that was estimated, by group.
+        The equations, and each density that was estimated, by group;
     """
+    if problem.walking:
+        return with_rate_densities(problem, fit)
     robot = problem.acting.followed.robot
     walk = dict(zip(WALKS, robot.momentum_walk, strict=True))
     unknown = [
@@ -277,13 +279,9 @@ def with_densities(
     ]
     found = {}
     for _ in range(ROUNDS if unknown else 0):
-        before, found = found, densities(problem, fit(problem), unknown)
+        before, found = found, densities_of_waves(problem, fit(problem), unknown)
         values = {group: each.value for group, each in found.items()}
         problem = problem._replace(acting=problem.acting.walking(values))
-        if before and all(_near(found[group], before[group]) for group in unknown):
+        if before and all(near(found[group], before[group]) for group in unknown):
             break
-    return problem, {group: each.std for group, each in found.items()}
-
-
-def _near(one: Density, other: Density) -> bool:
-    return bool(abs(np.log(one.value / other.value)) < SETTLED)
+    return problem, found

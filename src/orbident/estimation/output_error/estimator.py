@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.environment.agents import NEEDS, SLOW, WALKS
+from orbident.environment.agents import FREE, NEEDS, SLOW, WALKS
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import (
     BetaEstimate,
@@ -62,6 +62,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
+from orbident.estimation.output_error.walking_rates import walked
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import conserved_axes
@@ -107,7 +108,7 @@ class OutputError:
         # Without declared noise, what splines leave between samples looks slow too.
         excluded = () if search.declared == {*sensors.by_name} else SLOW
         check_disturbances_show(search.problem)
-        equations, density_std = with_densities(
+        equations, densities = with_densities(
             search.problem,
             lambda equations: replace(search, problem=equations).freed(),
         )
@@ -117,7 +118,7 @@ class OutputError:
         beta = estimate_of(found.solution, prior_std(robot, sets))
         by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
         calibration = _calibration(equations, found.solution)
-        disturbances = identified(equations, found.solution, density_std, freed)
+        disturbances = identified(equations, found.solution, densities, freed)
         return replace(
             estimate_of_beta(
                 problem,
@@ -170,7 +171,7 @@ class OutputError:
             prior = with_others(prior, self.others, equations.declared)
         # Linear fits are poor where a velocity is noisier than the motion.
         starts = [
-            start_of(equations, samples, outside, at)
+            walked(equations, start_of(equations, samples, outside, at))
             for at in (beta, sets.beta(robot.theta))
         ]
         if robot.passive:
@@ -306,7 +307,9 @@ def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationF
     std = np.sqrt(np.diag(solution.covariance))[-n:] if n else np.zeros(0)
     # Disturbances come after them.
     return {
-        each.name: CalibrationFit(float(value), float(deviation), each.std)
+        each.name: CalibrationFit(
+            float(value), float(deviation), np.nan if each.std == FREE else each.std
+        )
         for each, value, deviation in zip(problem.declared, values, std, strict=False)
     }
 

@@ -1,7 +1,8 @@
 """One engine for whatever may act on a robot, or be off, beside its parameters.
 
 What may act is among the unknowns of every fit, with a deviation beforehand
-(`environment/worlds.py`), and so are errors with a tolerance. Two squares say whether
+(`environment/worlds.py`), and so are errors with a tolerance, of which gains of thrust
+may be far larger: valves stick. Two squares say whether
 a family is what it was taken for. Of what is among the unknowns, with `x` its numbers,
 `P` their covariance beforehand and `C` that afterwards,
 
@@ -77,22 +78,22 @@ class Search:
         return self.steps < STEPS
 
     def freed(
-        self, names: Collection[str] = (), near: Unknowns | None = None
+        self, names: Collection[str] = (), trial: Sequence[Unknowns] = ()
     ) -> Solution:
         """The least cost with these among the unknowns too, with the assumed noise.
 
         Args:
             names: of errors of instruments.
-            near: where another fit of the recording ended. A search from there is a
-                trial, of few steps: where what is tried is right, more are not needed.
+            trial: where a search starts that is a trial, of few steps: where what is
+                tried is right, more are not needed.
         """
         more = (*self.problem.unknowns(names), *self.problem.expected)
-        starts = self.starts if near is None else (near, *self.starts)
-        steps = self.steps if near is None else min(self.steps, FEW_STEPS)
+        starts = trial or self.starts
+        steps = min(self.steps, FEW_STEPS) if trial else self.steps
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
         here = self.at_hand.pop() if self.at_hand else None
-        solution = None
+        solutions = list[Solution]()
         for start in starts:
             solution = solved(
                 self.problem,
@@ -105,14 +106,31 @@ class Search:
             )
             here = None
             if solution.converged:
-                break
-        assert solution is not None
-        return solution
+                return solution
+            solutions.append(solution)
+        return min(solutions, key=lambda each: each.cost)
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
-        """The search in a world where what may act has other sizes, by family, SI."""
-        acting = self.problem.acting.allowing(sizes)
-        return replace(self, problem=self.problem._replace(acting=acting))
+        """The search in a world where what may act has other sizes, by family, SI.
+
+        A gain may be as far off.
+        """
+        problem, prior = self.problem, self.prior
+        stds = [min(sizes.get(x.family, x.std), FREE) for x in problem.instruments]
+        instruments = tuple(
+            each._replace(std=std)
+            for each, std in zip(problem.instruments, stds, strict=True)
+        )
+        std = prior.std.copy()
+        std[std.size - len(problem.declared) :] = [x for x in stds if x]
+        acting = problem.acting.allowing(
+            {name: size for name, size in sizes.items() if name not in problem.gains}
+        )
+        return replace(
+            self,
+            problem=problem._replace(acting=acting, instruments=instruments),
+            prior=prior._replace(std=std),
+        )
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
         """Go on from a first solution, with the noise that the residuals show."""
@@ -149,8 +167,8 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
         search: fits the recording.
         excluded: families that are not tested.
     """
-    search = _sized(search)
-    found = expected = search.settled(search.freed)
+    search, first = _sized(search)
+    found = expected = search.settled(first)
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
     tested = search.problem.t.size <= LONGEST
@@ -158,7 +176,8 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     zeros = _zeros(search.problem, solution, tested)
     while tested and len(freed) < ROUNDS:
         best = _best(search, zeros, cost, excluded)
-        if best is None:
+        # At no least cost the next test would mean nothing.
+        if best is None or not best[-1].converged:
             break
         family, search, solution = best
         freed, cost = (*freed, family), solution.cost
@@ -169,14 +188,28 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     return WorldFit(search.problem, found, expected, zeros, freed)
 
 
-def _sized(search: Search) -> Search:
-    """With the most likely size of what changes slowly and may be anything."""
+def _sized(search: Search) -> tuple[Search, Callable[[], Solution]]:
+    """With the most likely size of what changes slowly and may be anything.
+
+    Returns:
+        The search, and what solves it for the first time.
+    """
     free = [name for name in SLOW if search.problem.acting.is_free(name)]
     if not free:
-        return search
+        return search, search.freed
     solution = search.freed()
+    if not solution.converged:
+        # Where there is no least cost there is no most likely size.
+        return search, lambda: solution
     sizes = {name: size_of(search.problem, solution, name) for name in free}
-    return search.allowing(sizes)
+    sized = search.allowing(sizes)
+    return sized, lambda: sized.freed(trial=[solution.state])
+
+
+def _shown(problem: Problem) -> set[str]:
+    """Families among the unknowns that may be larger than they should be."""
+    acting = {each.family for each in problem.expected}
+    return acting | {x.family for x in problem.declared if x.family in problem.gains}
 
 
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
@@ -199,23 +232,32 @@ def _best(
     numbers of a family do, nothing is freed: the checks of the residuals then say what
     is wrong.
     """
-    problem, near = search.problem, zeros.solution.state
-    free = {each.family for each in problem.expected if each.std == FREE}
+    problem, here = search.problem, [zeros.solution.state]
+    # A bad fit is hardly near anything.
+    bad = _bad(problem, cost)
+    near = [*search.starts, *here] if bad else [*here, *search.starts]
+    among = (*problem.expected, *problem.declared)
+    free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
     tried = []
     for family in _likely(_beyond(zeros, beside)):
         freed = search.allowing({family: np.inf})
-        solution = freed.freed(near=near)
+        solution = freed.freed(trial=near)
         numbers = len(problem.unknowns([family]))
         worth = solution.cost + limit("disturbance", numbers)
-        if worth < cost and not _impossible(problem, solution, family):
+        # Without a least cost there is nothing to compare.
+        possible = solution.converged and not _impossible(problem, solution, family)
+        if worth < cost and possible:
             tried.append((worth, family, freed, solution))
     if not tried:
         return None
     least, family, freed, solution = min(tried, key=lambda each: each[0])
     if _hopeless(problem, solution, cost):
         return None
+    if family in problem.gains:
+        # It is an instrument itself.
+        return family, freed, solution
     for instrument in _likely(_errors(zeros)):
         with_it = search.freed([instrument], near)
         if with_it.cost + limit("disturbance", 1) < least:
@@ -229,7 +271,7 @@ def _best(
     }
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
-    return family, sized, sized.freed(near=solution.state)
+    return family, sized, sized.freed(trial=[solution.state])
 
 
 def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
@@ -237,16 +279,17 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
     problem, solution = zeros.problem, zeros.solution
     squares = {
         family: surprise_of(problem, solution, family)
-        for family in {each.family for each in problem.expected} - {*excluded}
+        for family in _shown(problem) - {*excluded}
     }
     for family in {*zeros.families} - {*excluded}:
         found = zeros.score(
             {family, *({STEADY.get(family, family)} & {*zeros.families})}
         )
         squares[family] = ChiSquare(found.fall, found.values.size)
-    among = max(len(squares), 1)
+    among, gains = max(len(squares), 1), problem.gains
     return {
-        family: square.value - limit("disturbance", square.dof, among)
+        family: square.value
+        - limit("instrument" if family in gains else "disturbance", square.dof, among)
         for family, square in squares.items()
         if square.dof
     }

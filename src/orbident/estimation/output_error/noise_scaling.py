@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float
 from orbident.estimation.estimate import whiteness
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
+    RATE_WALK,
     Sensors,
     at_level,
     innovated,
@@ -17,6 +18,7 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
+from orbident.estimation.output_error.walking_rates import free_running
 from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
 from orbident.gaussian import OF_MEDIAN
@@ -230,6 +232,9 @@ def _over_noise(
         plain = plain / level
         left = reweighted(left, used, plain)
     lasting = at_level(problem.lasting, problem.weights, solution.weights)
+    if name == "attitude" and lasting[0, :, RATE_WALK].any():
+        over = np.where(plain > 0, plain, 1.0)
+        left = free_running(problem, solution.state, left / over) * over
     own = {name: left}, {name: plain}, {name: used}
     return innovated(problem.t, lasting, *own)[name]
 

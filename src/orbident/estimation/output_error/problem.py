@@ -11,6 +11,7 @@ the product of its own size and the change of geometry.
 """
 
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
+from orbident.environment.agents import DENSITY
 from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
@@ -33,6 +35,7 @@ from orbident.estimation.output_error.sensors import (
     Sensors,
     at_level,
     lasting_noise,
+    walks_of_rates,
 )
 from orbident.estimation.output_error.shooting import (
     Looseness,
@@ -50,6 +53,7 @@ from orbident.estimation.unknowns import Unknown
 from orbident.model.core_robot import core_tree, wheels_of
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.wrenches import thrust_seen
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -84,6 +88,8 @@ class Problem(NamedTuple):
     loose: Looseness
     lasting: Lasting
     """What lasts of the noise of attitude and position."""
+    walking: tuple[str, ...]
+    """Walks of the momentum that are among it, and of which no density is declared."""
     instruments: tuple[Unknown, ...]
     """The errors that act on it, and gains of recorded thrust."""
     acting: Acting
@@ -93,6 +99,11 @@ class Problem(NamedTuple):
     def declared(self) -> tuple[Unknown, ...]:
         """Those errors that are unknown in every fit: they have a tolerance."""
         return tuple(each for each in self.instruments if each.std)
+
+    @property
+    def gains(self) -> set[str]:
+        """Gains of recorded thrust and torque, each a family of its own."""
+        return {each.family for each in self.acting.recorded}
 
     @property
     def expected(self) -> tuple[Unknown, ...]:
@@ -183,7 +194,8 @@ def problem_of(
             period, rad or m.
     """
     intervals = intervals_of(samples, sensors, longest_interval(robot, unexplained))
-    lasting = lasting_noise(robot, sensors)
+    walks = walks_of_rates(robot, sensors, samples)
+    lasting = lasting_noise(robot, sensors, walks)
     loose = looseness(robot, samples, sensors, lasting)
     history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
@@ -198,7 +210,7 @@ def problem_of(
         if name != "joints":
             valid &= ~pushed
         seen[name] = table
-        axes = _axes(robot, name, table.shape[1]) / sensed.std
+        axes = _axes(robot, name, samples.locked) / sensed.std
         # Where all rows count alike, one is held in place of a table.
         weights[name] = (
             np.broadcast_to(axes, (valid.size, axes.size))
@@ -225,12 +237,9 @@ def problem_of(
         **loose._asdict(),
         **joint_laws(robot, unexplained)._asdict(),
     )
-    followed = Followed(robot, sets, samples, intervals)
+    followed = Followed(without_walks(robot, walks), sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)
-    gains = (
-        Unknown(each.name, each.group, "1", each.std, float(recorded.places + k))
-        for k, each in enumerate(acting.recorded)
-    )
+    shown = {*sensors.by_name, *thrust_seen(samples.wrenches)}
     return Problem(
         recorded,
         intervals.t,
@@ -239,8 +248,22 @@ def problem_of(
         weights,
         loose,
         lasting,
-        (*calibrations_of(robot, sensors.by_name, free), *gains),
+        tuple(x for x in walks if not getattr(robot.momentum_walk, DENSITY[x])),
+        (*calibrations_of(robot, shown, free), *acting.recorded),
         acting,
+    )
+
+
+def without_walks(robot: Robot, walks: Collection[str]) -> Robot:
+    """The robot without these walks, which act otherwise than as waves."""
+    kept = {
+        name: x for name, x in (robot.disturbances or {}).items() if name not in walks
+    }
+    densities = dict.fromkeys((DENSITY[each] for each in walks), 0.0)
+    return replace(
+        robot,
+        disturbances=None if robot.disturbances is None else kept,
+        momentum_walk=robot.momentum_walk._replace(**densities),
     )
 
 
@@ -263,12 +286,13 @@ def _none(name: str) -> Float[np.ndarray, "0 axes"]:
     return np.zeros((0, 4 if name == "attitude" else 3))
 
 
-def _axes(robot: Robot, sensor: str, columns: int) -> Float[np.ndarray, " axes"]:
-    """1 for those in which momentum is conserved; encoders have those they are on."""
+def _axes(
+    robot: Robot, sensor: str, locked: Collection[str]
+) -> Float[np.ndarray, " axes"]:
+    """1 for those in which momentum is conserved, and for encoders that moved."""
     if sensor == "joints":
-        return np.array(
-            [float(name not in robot.passive) for name in robot.joint_names]
-        )
+        still = {*locked, *robot.passive}
+        return np.array([float(name not in still) for name in robot.joint_names])
     if robot.motion != "planar":
         return np.ones(3)
     turning = sensor in {"gyro", "attitude"}

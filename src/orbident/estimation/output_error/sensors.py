@@ -14,10 +14,13 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident import _core
+from orbident.environment.agents import WALKS
 from orbident.files.bounds import TOGETHER
 from orbident.gaussian import noisiest_std
+from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import rate_noise
+from orbident.preprocessing.samples import Samples
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -187,33 +190,91 @@ def some_of(
 TRACKERS = ("attitude", "position")
 """The sensors whose noise may last, in the core's order."""
 
-MARKOV_STD, CORRELATION_TIME, RANDOM_WALK = range(3)
+MARKOV_STD, CORRELATION_TIME, RANDOM_WALK, RATE_WALK = range(4)
 
-Lasting = Float[np.ndarray, "2 3 3"]
-"""The three parameters above by tracker and axis; zero where the noise is white."""
+Lasting = Float[np.ndarray, "2 3 4"]
+"""The four parameters above by tracker and axis; zero where the noise is white."""
 
 Tables = Mapping[str, Float[np.ndarray, "rows axes"]]
 
 
-def lasting_noise(robot: Robot, sensors: Sensors) -> Lasting:
-    """What lasts of the noise of the axes that count."""
-    lasting = np.zeros((2, 3, 3))
+def lasting_noise(
+    robot: Robot, sensors: Sensors, walks: Mapping[str, float]
+) -> Lasting:
+    """What lasts of the noise of the axes that count, and rates that walk."""
+    lasting = np.zeros((2, 3, 4))
     for k, (name, axes) in enumerate(zip(TRACKERS, conserved_axes(robot), strict=True)):
         sensed = sensors.by_name.get(name)
         if sensed is not None:
-            lasting[k, axes] = np.transpose(sensed.coloured)[list(axes)]
+            lasting[k, axes, :RATE_WALK] = np.transpose(sensed.coloured)[list(axes)]
+            lasting[k, axes, RATE_WALK] = walks.get(WALKS[k], 0.0)
     return lasting
 
 
-def first_lasting(lasting: Lasting, dt: float) -> Float[np.ndarray, " parts"]:
+LAG = 1.0
+"""s: in so long rates change by more than the noise of what they were derived from."""
+
+POSE = {"attitude", "position", "joints"}
+"""Where no rate of the base is among the sensors, a momentum that walks at random is
+noise of the pose whose rate walks, as far as the robot's inertia does not change, and
+nothing on it swings."""
+
+
+def walks_of_rates(
+    robot: Robot, sensors: Sensors, samples: Samples
+) -> dict[str, float]:
+    """Walks of a planar robot's momentum that only its pose shows.
+
+    Returns:
+        By group, torque before force: the density of the rate of turn, or of the
+        velocity, in rad/s^2/sqrt(Hz) or m/s^2/sqrt(Hz); as it is declared, or so much
+        that without any thrust it would have changed the rate as it changed.
+    """
+    if robot.motion != "planar" or not {*sensors.by_name} <= POSE or robot.passive:
+        return {}
+    lag, found = round(LAG / float(np.median(np.diff(samples.t)))) or 1, {}
+    moved, per_rate = (samples.w, samples.v_S), inertia_of_walks(robot)
+    for group, rate, q in zip(WALKS, moved, robot.momentum_walk, strict=True):
+        if group in robot.said_to_act and rate:
+            changes = np.array([x[lag:] - x[:-lag] for x in rate])
+            passed = np.mean(samples.t[lag:] - samples.t[:-lag])
+            most = np.sqrt(np.nanmean(np.sum(changes**2, axis=0)) / passed)
+            found[group] = q / per_rate[group] or float(most)
+    return found
+
+
+def inertia_of_walks(robot: Robot) -> dict[str, float]:
+    """What a planar robot's rates times make its momenta, by CAD: kg m^2, and kg."""
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    return dict(zip(WALKS, (float(D[2, 2]), robot.mass), strict=True))
+
+
+def lasting_parts(lasting: Lasting) -> Bool[np.ndarray, "2 3 4"]:
+    """Which parts there are; what walks by its rate has two, its rate the last."""
+    return lasting[..., [MARKOV_STD, RANDOM_WALK, RATE_WALK, RATE_WALK]] > 0
+
+
+def parts_of_boundaries(lasting: Lasting) -> Bool[np.ndarray, "2 3 4"]:
+    """Those that are unknowns of boundaries: an attitude has what its rate gave it."""
+    parts = lasting_parts(lasting)
+    parts[0, :, RATE_WALK - 1] = False
+    return parts
+
+
+def first_lasting(
+    lasting: Lasting, dt: float, inertia: float
+) -> Float[np.ndarray, " parts"]:
     """Standard deviations of the parts at the first row, in the core's order.
+
+    Of an attitude whose rate walks it is that of the momentum, with this inertia.
 
     A walk is zero at the first sample; here it begins one sample earlier.
     """
-    std = np.stack(
-        [lasting[..., MARKOV_STD], lasting[..., RANDOM_WALK] * np.sqrt(dt)], axis=-1
-    )
-    return std[std > 0]
+    walks = lasting[..., [RANDOM_WALK, RATE_WALK, RATE_WALK]]
+    walks[0, 2, 2] *= inertia
+    since = np.sqrt([dt, dt**3 / 3, dt])
+    std = np.concatenate([lasting[..., [MARKOV_STD]], walks * since], axis=-1)
+    return std[parts_of_boundaries(lasting)]
 
 
 def at_level(lasting: Lasting, assumed: Tables, weights: Tables) -> Lasting:

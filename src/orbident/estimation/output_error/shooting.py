@@ -9,6 +9,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from orbident.estimation.output_error.joint_laws import fastest
 from orbident.estimation.output_error.sensors import (
+    RATE_WALK,
     Lasting,
     Sensors,
     between,
@@ -41,6 +42,9 @@ CONTINUOUS = 1e-9
 
 STEADY = 1e-6
 """Walk of a bias of which nothing is declared, over the noise of a sample."""
+
+TAKEN_OVER = 1e9
+"""rad/sqrt(s), where it is said elsewhere how far an attitude walks."""
 
 SLIGHT = 1e-11
 """rad/s and m/s^2 per sqrt(s): with less, rounding hides what else is known of it."""
@@ -119,6 +123,8 @@ def intervals_of(
     first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
     t = sensors.t[first:end]
     rows = _rows_of_an_interval(history, samples.shares, t)
+    if samples.unknown_thrust:
+        rows = min(rows, _rows_of_a_turn(samples))
     edges = _edges(t.size, rows)
     most = max(1.0, longest / float(np.median(np.diff(t))))
     parts = np.maximum(np.ceil(np.diff(edges) / most), 1).astype(int)
@@ -194,6 +200,17 @@ def _rows_of_an_interval(
     return int(2 ** np.round(np.log2(np.clip(rows, SHORT, LONG))))
 
 
+def _rows_of_a_turn(samples: Samples) -> int:
+    """A power of two: in so many rows the base turns by `OF_A_RADIAN` at most.
+
+    Where thrust is not what the first guess says, the base turns otherwise, faster and
+    faster; by whole turns it would be lost.
+    """
+    turned = np.nanmax(np.linalg.norm(samples.w, axis=0), initial=0.0)
+    rows = OF_A_RADIAN / max(turned * float(np.median(np.diff(samples.t))), 1e-12)
+    return int(2 ** np.floor(np.log2(np.clip(rows, SHORT, LONG))))
+
+
 class Looseness(NamedTuple):
     """How freely what belongs to boundaries may vary: standard deviations."""
 
@@ -230,12 +247,15 @@ def looseness(
         UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names
     ]
     corrections = np.tile(np.array(std)[free], 2)
-    noise = first_lasting(lasting, float(np.median(np.diff(sensors.t))))
+    dt, D = float(np.median(np.diff(sensors.t))), _principal_inertias(robot)[-1]
+    noise = first_lasting(lasting, dt, float(D))
+    turn_walk = np.full(3, _turn_walk(robot, samples))
+    turn_walk[lasting[0, :, RATE_WALK] > 0] = TAKEN_OVER
     return Looseness(
         corrected=np.flatnonzero(free).astype(float),
         first=np.concatenate([turns, BIAS, noise, corrections]),
         corrections=corrections,
-        walk=np.array([*3 * [_turn_walk(robot, samples)], *walks]),
+        walk=np.array([*turn_walk, *walks]),
     )
 
 

@@ -23,6 +23,10 @@ from orbident.estimation.solution import (
 from orbident.estimation.triangular import check_finite, fold
 from orbident.recordings.long_recording import LARGE
 
+SAME = 0.01
+"""Chi-square: what differs by less is as likely. Where noise lasts, or weights depend
+on the state, the equations' solution is not quite where the cost is least."""
+
 STEPS = 20
 """The most that a search takes."""
 DAMPING = 1e-3
@@ -30,6 +34,8 @@ DAMPING = 1e-3
 LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
 """With less a step is as without; with more it is too short to change anything."""
+FALLS = 0.5
+"""A step is corrected again while the cost falls to less than this part of it."""
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
@@ -65,7 +71,7 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, _size(here))
     damping, raised = 0.0, RAISED
-    taken = [Step(cost, np.nan)]
+    taken, tried = [Step(cost, np.nan)], False
     for _ in range(steps):
         progress()
         if here.given_up:
@@ -75,6 +81,10 @@ def solved(
         moved = state.moved(here.step(g), g)
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
+        # What hardly anything shows moves in steps without damping alone.
+        if size < SMALL and 0 < damping <= DAMPING and not tried:
+            tried, damping = True, 0.0
+            continue
         # What nothing shows would take an undamped step too far, again and again.
         if size < SMALL and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
@@ -85,16 +95,13 @@ def solved(
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
         there, new_cost = equations_at(problem, weights, prior, moved)
-        if cost <= new_cost < np.inf:
-            # Continuity weighs so much that what a good step leaves of second order
-            # costs more than it gains: the next step takes that away (Fletcher 1982).
-            g = _damped(prior.added(there.common, moved), damping)
-            moved = moved.moved(there.step(g), g)
-            there, new_cost = equations_at(problem, weights, prior, moved)
-        if new_cost < cost:
+        there, new_cost = _corrected(
+            problem, weights, prior, damping, cost, there, new_cost
+        )
+        if new_cost < cost + SAME:
             expected = change @ (2 * whole - change)
-            gain = float((cost - new_cost) / expected)
-            state, here, cost, raised = moved, there, new_cost, RAISED
+            gain = float((cost - new_cost) / expected) if new_cost < cost else 0.0
+            state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             damping = damping if damping > LEAST_DAMPING else 0.0
         elif damping > MOST_DAMPING:
@@ -104,6 +111,31 @@ def solved(
         taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
     return solution_at(state, here, prior, weights, False, cost, tuple(taken))
+
+
+def _corrected(
+    problem: Problem,
+    weights: BySensor,
+    prior: Prior,
+    damping: float,
+    cost: float,
+    there: Linear,
+    new_cost: float,
+) -> tuple[Linear, float]:
+    """The equations where a step ends, and where corrections of it if it costs more.
+
+    Continuity weighs so much that what a good step leaves of second order costs more
+    than it gains: the next step takes that away (Fletcher 1982). So does the product of
+    a thrust and what it moves: where both are known badly, a good step is long.
+    """
+    last = np.inf
+    while cost <= new_cost < FALLS * last:
+        last, at = new_cost, there.at
+        g = _damped(prior.added(there.common, at), damping)
+        there, new_cost = equations_at(
+            problem, weights, prior, at.moved(there.step(g), g)
+        )
+    return there, new_cost
 
 
 def solution_at(
@@ -126,11 +158,15 @@ def solution_at(
 def equations_at(
     problem: Problem, weights: BySensor, prior: Prior, state: Unknowns
 ) -> tuple[Linear, float]:
-    """The equations at a state, and its cost: infinite where a step led too far."""
+    """The equations at a state, and its cost: infinite where a step led too far.
+
+    An attitude that is half a turn off shows no turn at all.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         there = linear(problem, weights, state)
         cost = there.cost + prior.cost(state)
-    return there, cost if np.isfinite(_size(there)) else np.inf
+    sound = np.isfinite(_size(there)) and np.diag(there.factor)[: there.local].all()
+    return there, cost if sound else np.inf
 
 
 def _size(here: Linear) -> float:

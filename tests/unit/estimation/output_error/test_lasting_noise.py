@@ -88,7 +88,7 @@ def whole(white: Small, lasting: np.ndarray) -> Dense:
         axes = np.flatnonzero(weights.any(axis=0))
         for k, axis in enumerate(axes):
             w = weights[:, axis].max()
-            C = np.eye(problem.t.size) + w**2 * covariance(problem.t, *parts[axis])
+            C = np.eye(problem.t.size) + w**2 * covariance(problem.t, *parts[axis][:3])
             L = np.linalg.cholesky(C)
             tables.append(solve_triangular(L, rows[k :: axes.size], lower=True))
     table = np.vstack(tables)
@@ -122,7 +122,7 @@ def test_innovations_of_residuals_are_those_of_the_whole_covariance(both):
     weights = {name: w / level for name, w in problem.weights.items()}
     lasting = at_level(problem.lasting, problem.weights, weights)
     found = innovated(problem.t, lasting, residuals, weights, weights)
-    std, time, walk = problem.lasting[1, 0]
+    std, time, walk, _ = problem.lasting[1, 0]
     C = covariance(problem.t, std, time, 0.0)
     C += walk**2 * (np.minimum(problem.t[:, None], problem.t) - problem.t[0])
     # All of the noise is larger, so that residuals over it are the same.

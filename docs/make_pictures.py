@@ -1,0 +1,359 @@
+"""The pictures of README and site, made of what `orbident demo` computes.
+
+    python docs/make_pictures.py
+
+`demo.svg` moves: a robot as measured, as CAD predicts it and as the identified model
+does. `forest.svg` has the parameters with their intervals, CAD and the truth.
+"""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.estimation.identify import identify
+from orbident.estimation.quantities import most_different
+from orbident.estimation.result import Result
+from orbident.gaussian import NINETY_FIVE
+from orbident.identified.prediction import predict
+from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, MASS
+from orbident.scene.replay import (
+    MotionHistory,
+    centroidal_momentum,
+    placed,
+    predicted_motion,
+)
+from orbident.scene.scene import Scene, scene_of
+from orbident.studies.demo import DemoFlights, fly_demo, turned_off, with_cad_values
+
+FOLDER = Path(__file__).parent / "pictures"
+
+STYLE = """
+.card { fill: #ffffff; stroke: #d0d7de }
+text { font: 20px system-ui, sans-serif; fill: #1f2328 }
+.small { font-size: 18px }
+.right { text-anchor: end } .middle { text-anchor: middle }
+.grid { stroke: #d0d7de; fill: none }
+.seen { stroke: #57606a; fill: none } .face { fill: #57606a; fill-opacity: .13 }
+.found { stroke: #0a7d33; fill: none } .dot { fill: #0a7d33 }
+.cad { stroke: #cf222e; fill: none; stroke-dasharray: 7 4 }
+.true { stroke: #1f2328; fill: none }
+text.found { fill: #0a7d33; stroke: none } text.cad { fill: #cf222e; stroke: none }
+@media (prefers-color-scheme: dark) {
+.card { fill: #0d1117; stroke: #30363d } .grid { stroke: #30363d }
+text { fill: #e6edf3 } .true { stroke: #e6edf3 }
+.seen { stroke: #9aa4af } .face { fill: #9aa4af }
+.found { stroke: #3fb950 } .dot, text.found { fill: #3fb950 }
+.cad { stroke: #ff7b72 } text.cad { fill: #ff7b72 }
+}
+"""
+"""Contrasts of text are above 4.5 to 1, on both cards."""
+
+WIDTH = 760
+SHOWN = 9
+"""Parameters, as on the first screen of `identify`."""
+
+STEPS = 80
+"""Pictures of the motion: joints turn by 20 degrees at most from one to the next."""
+MOVES, HOLDS = 10.0, 2.0
+"""s that the picture moves, and that it stands at the end."""
+
+EYE = np.array([0.32, 0.56, 0.77])
+"""Towards the eye, inertial axes: from there the arm's way looks widest, so that the
+robot is largest."""
+
+
+def pictures() -> dict[str, str]:
+    """Every picture by the name of its file."""
+    flights = fly_demo()
+    result = identify(flights.robot, flights.first)
+    return {"demo.svg": moving(flights, result), "forest.svg": forest(flights, result)}
+
+
+def picture(height: float, title: str, about: str, parts: Iterable[str]) -> str:
+    """An SVG that is right in light and dark, and says what it shows."""
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:g}" '
+            'role="img" aria-labelledby="title about">',
+            f'<title id="title">{escape(title)}</title>',
+            f'<desc id="about">{escape(about)}</desc>',
+            f"<style>{STYLE}</style>",
+            f'<rect class="card" x="0.5" y="0.5" width="{WIDTH - 1}" '
+            f'height="{height - 1:g}" rx="8"/>',
+            *parts,
+            "</svg>\n",
+        ]
+    )
+
+
+def words(x: float, y: float, text: str, kind: str = "") -> str:
+    """Text at a place."""
+    return f'<text x="{x:g}" y="{y:g}" class="{kind}">{escape(text)}</text>'
+
+
+def line(points: Float[np.ndarray, "n 2"], kind: str, width: float = 1.0) -> str:
+    """A line through points."""
+    return f'<path d="{path(points)}" class="{kind}" stroke-width="{width:g}"/>'
+
+
+def path(points: Float[np.ndarray, "n 2"]) -> str:
+    """The points as an SVG path, to a tenth of a pixel."""
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
+
+
+def animated(attribute: str, values: Sequence[str]) -> str:
+    """An attribute that takes these values one after another, again and again."""
+    moves = MOVES / (MOVES + HOLDS)
+    times = [*(f"{moves * k / (len(values) - 1):.4f}" for k in range(len(values))), "1"]
+    return (
+        f'<animate attributeName="{attribute}" dur="{MOVES + HOLDS:g}s" '
+        f'repeatCount="indefinite" keyTimes="{";".join(times)}" '
+        f'values="{";".join([*values, values[-1]])}"/>'
+    )
+
+
+class Outline(NamedTuple):
+    """A robot as it is drawn, step by step."""
+
+    faces: Float[np.ndarray, "n 6 4 3"]
+    """Faces of the box around the base, corner by corner."""
+    arm: Float[np.ndarray, "n points 3"]
+
+
+SIDES = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4)]
+SIDES += [(1, 3, 7, 5)]
+"""The faces of a box whose corners are numbered as bits of z, y and x."""
+
+
+def outline(scene: Scene, motion: MotionHistory, inertia: Robot) -> Outline:
+    """The box of the base and the line of the arm, where the CM rests.
+
+    Args:
+        scene: of the robot, whose joints are a chain.
+        motion: of it.
+        inertia: the robot with the inertia that says where the CM is.
+    """
+    r_cm = centroidal_momentum(inertia, motion).r_cm
+    # All begin at one place, with their CMs where they say.
+    about = r_cm - r_cm[0]
+    frames = placed(scene, motion, np.zeros_like(motion.qd_rw))
+    base = np.vstack([shape.vertices for shape in scene.shapes if shape.frame == 0])
+    ends = np.array([base.min(axis=0), base.max(axis=0)])
+    corners = [
+        ends[[x, y, z], range(3)] for x in (0, 1) for y in (0, 1) for z in (0, 1)
+    ]
+    p = frames.p - about[:, None]
+    at = p[:, :1] + np.array(corners) @ frames.R[:, 0].mT
+    last = scene.robot.theta[-1]
+    # The last link ends as far behind its CM as that is from its joint.
+    tip = 2 * last[FIRST_MOMENT] / last[MASS]
+    k = len(scene.robot.bodies)
+    end = p[:, k - 1] + frames.R[:, k - 1] @ tip
+    return Outline(at[:, np.array(SIDES)], np.hstack([p[:, 1:k], end[:, None]]))
+
+
+def moving(flights: DemoFlights, result: Result) -> str:
+    """Measured, predicted by CAD, and predicted by what is identified."""
+    other, cad = flights.other, with_cad_values(result)
+    scene, step = scene_of(flights.robot), (flights.other.t.size - 1) // STEPS
+    found, wrong = (predicted_motion(each, other) for each in (result, cad))
+    assert found.model is not None
+    assert found.predicted is not None
+    assert wrong.predicted is not None
+    motions = {
+        "seen": (found.measured, flights.flown),
+        "cad": (wrong.predicted, flights.robot),
+        "found": (found.predicted, found.model),
+    }
+    outlines = {
+        name: outline(scene, MotionHistory(*(x[::step] for x in motion)), inertia)
+        for name, (motion, inertia) in motions.items()
+    }
+    view = View.of([p for each in outlines.values() for p in each])
+    parts = [robot(each, name, view) for name, each in outlines.items()]
+    angles = [np.degrees(turned_off(predict(each, other))) for each in (cad, result)]
+    t, title = found.measured.t, "Another flight, predicted from how its joints move"
+    ends = [f"{angle[-1]:.2g}°" for angle in angles]
+    about_it = (
+        f"A spacecraft with an arm. After {t[-1]:.0f} s the attitude that CAD predicts "
+        f"is {ends[0]} off the measured one, that of the identified model {ends[1]}."
+    )
+    legend = [
+        words(20, 32, title),
+        words(20, 64, "measured", "small"),
+        words(20, 90, "predicted by CAD, which is 10 % off", "small cad"),
+        words(20, 116, "predicted as identified", "small found"),
+    ]
+    return picture(
+        520, title, about_it, [*parts, *legend, *strip(t, angles, ends, step)]
+    )
+
+
+class View(NamedTuple):
+    """A parallel projection into the picture."""
+
+    axes: Float[np.ndarray, "3 2"]
+    scale: float
+    shift: Float[np.ndarray, "2"]
+
+    @classmethod
+    def of(cls, points: Sequence[np.ndarray]) -> "View":
+        """In which all of these points are seen, as large as can be."""
+        out = EYE / np.linalg.norm(EYE)
+        right = np.cross([0.0, 0.0, 1.0], out)
+        right /= np.linalg.norm(right)
+        axes = np.column_stack([right, -np.cross(out, right)])
+        flat = np.vstack([p.reshape(-1, 3) @ axes for p in points])
+        low, high = flat.min(axis=0), flat.max(axis=0)
+        room = np.array([[20.0, 40.0], [WIDTH - 20.0, 400.0]])
+        scale = float(((room[1] - room[0]) / (high - low)).min())
+        return cls(axes, scale, room.mean(axis=0) - scale * (low + high) / 2)
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Where points are seen."""
+        return self.scale * (points @ self.axes) + self.shift
+
+
+def robot(shape: Outline, kind: str, view: View) -> str:
+    """One robot, moving."""
+    faces, arm = view.at(shape.faces), view.at(shape.arm)
+    boxes = ["".join(f"{path(face)}Z" for face in each) for each in faces]
+    arms = [path(each) for each in arm]
+    seen = kind == "seen"
+    box = f'<path class="{kind}{" face" if seen else ""}" stroke-width="1.6"'
+    line = f'<path class="{kind}" stroke-width="{7 if seen else 2.5}"'
+    return (
+        f'<g stroke-linejoin="round" stroke-linecap="round">'
+        f'{box} d="{boxes[-1]}">{animated("d", boxes)}</path>'
+        f'{line} d="{arms[-1]}">{animated("d", arms)}</path></g>'
+    )
+
+
+def strip(
+    t: Float[np.ndarray, " n"],
+    angles: Sequence[Float[np.ndarray, " n"]],
+    ends: Sequence[str],
+    step: int,
+) -> list[str]:
+    """How far the attitude is off, over time, with the time that is shown."""
+    left, right, top, bottom = 60.0, WIDTH - 76.0, 434.0, 484.0
+    most = float(max(angle.max() for angle in angles))
+    x = left + (right - left) * t / t[-1]
+    parts = [
+        line(np.array([[left, bottom], [right, bottom]]), "grid"),
+        words(left, 510, "0", "small middle"),
+        words(right, 510, f"{t[-1]:.0f} s", "small middle"),
+        words(20, 418, "attitude off by", "small"),
+        words(left - 8, bottom, "0°", "small right"),
+    ]
+    for kind, angle, end in zip(("cad", "found"), angles, ends, strict=True):
+        y = bottom - (bottom - top) * angle / most
+        parts.append(line(np.column_stack([x, y])[::step], kind, 2.2))
+        parts.append(words(right + 8, y[-1] + 5, end, f"small {kind}"))
+    ticks = [f"{each:.1f}" for each in x[::step]]
+    parts.append(
+        f'<line class="seen" y1="{top - 6:g}" y2="{bottom:g}" x1="{ticks[-1]}" '
+        f'x2="{ticks[-1]}">{animated("x1", ticks)}{animated("x2", ticks)}</line>'
+    )
+    return parts
+
+
+class Scale(NamedTuple):
+    """A horizontal axis, in percent."""
+
+    low: float
+    high: float
+    left: float
+    right: float
+
+    @classmethod
+    def of(cls, x: np.ndarray, step: float, left: float, right: float) -> "Scale":
+        """From one multiple of a step to another, with all of these between them."""
+        low, high = np.floor(x.min() / step), np.ceil(x.max() / step)
+        return cls(step * low, step * high, left, right)
+
+    def at(self, x: float) -> float:
+        """Where a number is seen."""
+        share = (x - self.low) / (self.high - self.low)
+        return self.left + (self.right - self.left) * share
+
+    def drawn(self, top: float, bottom: float) -> Iterable[str]:
+        """The axis: its ends and zero, with a line at each."""
+        for x in sorted({self.low, 0.0, self.high}):
+            ends = np.array([[self.at(x), top], [self.at(x), bottom]])
+            yield line(ends, "grid")
+            yield words(
+                self.at(x), bottom + 22, f"{x:+g} %" if x else "0", "small middle"
+            )
+
+
+LONGEST = 26
+"""Characters of a name that stand beside the axis."""
+
+
+def _short(formula: str) -> str:
+    """The first terms of a sum, as many as there is room for."""
+    terms = formula.split(" + ")
+    for k in range(len(terms), 1, -1):
+        text = " + ".join([*terms[:k], *["…"] * (k < len(terms))])
+        if len(text) <= LONGEST:
+            return text
+    return " + ".join([terms[0], *["…"] * (len(terms) > 1)])
+
+
+def forest(flights: DemoFlights, result: Result) -> str:
+    """Estimates and their intervals, beside CAD and, closer, beside the truth."""
+    base, rows = result.base, most_different(result.base, SHOWN)
+    percent = 100 / base.nominal[rows]
+    off = percent * (base.values[rows] - base.nominal[rows])
+    half = np.abs(percent) * NINETY_FIVE * base.std[rows]
+    true = percent * (flights.true_base()[rows] - base.values[rows])
+    top, high = 86.0, 30.0
+    bottom = top + high * len(rows) - 8
+    wide = Scale.of(np.append(off, 0.0), 10.0, 290.0, 500.0)
+    near = Scale.of(np.concatenate([half, -half, true]), 0.1, 570.0, 710.0)
+    title = "What one flight says, beside CAD and the truth"
+    parts = [
+        words(20, 32, title),
+        words(wide.at(0.0), 62, "CAD", "small cad middle"),
+        words(20, 62, "95 % intervals", "small found"),
+        words(near.at(0.0), 62, "closer: the truth", "small middle"),
+        *wide.drawn(70, bottom),
+        *near.drawn(70, bottom),
+        line(np.array([[wide.at(0.0), 70], [wide.at(0.0), bottom]]), "cad", 2.0),
+    ]
+    said = []
+    for k, row in enumerate(rows):
+        y, name = top + high * k, base.names[row]
+        what = "total mass" if name == "M" else _short(base.formulas[row])
+        said.append(
+            f"{what}: {off[k]:+.1f} % from CAD, {true[k]:+.2f} % from the truth"
+        )
+        parts.append(words(20, y + 5, what, "small"))
+        for scale, at in ((wide, off[k]), (near, 0.0)):
+            ends = [[scale.at(at - half[k]), y], [scale.at(at + half[k]), y]]
+            parts.append(line(np.array(ends), "found", 3.0))
+            parts.append(
+                f'<circle class="dot" cx="{scale.at(at):.1f}" cy="{y:g}" r="4"/>'
+            )
+        for way in (-5.0, 5.0):
+            place = near.at(true[k])
+            ends = np.array([[place - 5, y - way], [place + 5, y + way]])
+            parts.append(line(ends, "true", 2.0))
+    return picture(bottom + 40, title, "; ".join(said) + ".", parts)
+
+
+def main() -> None:
+    """Write them all."""
+    FOLDER.mkdir(exist_ok=True)
+    for name, text in pictures().items():
+        (FOLDER / name).write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

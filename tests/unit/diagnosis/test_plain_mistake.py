@@ -1,0 +1,90 @@
+"""A plain mistake of signs, orders or units is named before anything is fitted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+from orbident.diagnosis.linear_test import plain_mistake
+from orbident.estimation.identify import METHODS, identify
+from orbident.estimation.momentum_problem import momentum_problem
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.simulation.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load_robot("paper-spatial")
+
+
+@pytest.fixture(scope="module")
+def recording(robot) -> Recording:
+    """Encoders and an IMU, with their noise."""
+    return simulate(robot, random_motion(robot), noise="sensors", seed=1)
+
+
+def degrees(recording: Recording) -> Recording:
+    gyro = {f"gyro.{k}": np.degrees(recording.column(f"gyro.{k}")) for k in "xyz"}
+    return recording.with_columns(gyro)
+
+
+def exchanged(recording: Recording) -> Recording:
+    one, other = "joint.joint1.position", "joint.joint2.position"
+    columns = recording.columns
+    return recording.with_columns({one: columns[other], other: columns[one]})
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("mistaken", "words"),
+    [
+        (degrees, "the gyro is in degrees per second"),
+        (exchanged, "joints joint1 and joint2 are exchanged"),
+    ],
+)
+def test_no_fit_is_made(robot, recording, monkeypatch, mistaken, words, method):
+    def fitted(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(OutputError, "estimate", fitted)
+    result = identify(robot, mistaken(recording), method)
+    assert result.status == "rejected"
+    assert words in result.refusal()
+    assert result.with_causes("all").refusal() == result.refusal()
+
+
+def test_an_accelerometer_in_g(robot, recording):
+    """It scales the velocity alone, so that a fit is made first."""
+    names = [f"accelerometer.{k}" for k in "xyz"]
+    in_g = {name: recording.column(name) / 9.80665 for name in names}
+    result = identify(robot, recording.with_columns(in_g)).with_causes()
+    words = "perhaps the accelerometer is in g, and not in m/s^2"
+    assert result.refusal().startswith(words)
+
+
+@pytest.mark.parametrize("name", ["paper-spatial", "cepheus-like", "dual-arm"])
+def test_nothing_is_wrong(name):
+    robot = load_robot(name)
+    for seed in range(2):
+        flown = simulate(
+            robot, random_motion(robot, seed=seed), noise="sensors", seed=seed
+        )
+        noisy = replace(flown, columns=noisier(flown, seed))
+        for each in (flown, noisy):
+            problem = momentum_problem(robot, each, "unknown", lambda _: None)
+            assert not plain_mistake(problem)
+
+
+def noisier(recording: Recording, seed: int) -> dict[str, np.ndarray]:
+    """A hundredth of each signal's size beside it, but for quaternions."""
+    random = np.random.default_rng(seed)
+    return {
+        name: x
+        if name.startswith("attitude")
+        else x + 0.01 * np.nanstd(x) * random.standard_normal(x.size)
+        for name, x in recording.columns.items()
+    }

@@ -1,0 +1,37 @@
+"""A cause is stated as a fact only where nothing else may explain as much."""
+
+import numpy as np
+import pytest
+
+from orbident.diagnosis.causes import _explained
+from orbident.diagnosis.trial import NONE, Rival, Trial
+from orbident.estimation.clock_search import WORTH
+
+BEFORE = 1000.0
+"""The misfit as recorded; 500 with the cause put right."""
+
+
+def words_of(rival: Rival, seen: bool = False) -> str:
+    trial = Trial("the gyro is late", True, 500.0, seen=seen, rival=rival)
+    return _explained(trial, BEFORE).words
+
+
+@pytest.mark.parametrize(
+    "rival", [NONE, Rival(500.0 - WORTH - 1, "a panel swings")], ids=["none", "less"]
+)
+def test_a_fact(rival):
+    words = words_of(rival)
+    assert words.startswith("the gyro is late: with that put right")
+    assert "perhaps" not in words
+
+
+@pytest.mark.parametrize("falls", [500.0, 900.0, np.inf])
+def test_either_of_two(falls):
+    words = words_of(Rival(falls, "a panel swings"))
+    assert words.startswith("perhaps the gyro is late")
+    assert "or perhaps a panel swings" in words
+    assert "measure which of them it is" in words
+
+
+def test_what_samples_show_by_themselves_is_a_fact():
+    assert "perhaps" not in words_of(Rival(900.0, "a panel swings"), seen=True)
