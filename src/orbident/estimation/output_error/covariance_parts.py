@@ -21,7 +21,7 @@ from orbident.estimation.output_error.sensors import (
     lasting_parts,
     parts_of_boundaries,
 )
-from orbident.estimation.solution import OUTSIDE, Solution
+from orbident.estimation.solution import OUTSIDE, Prior, Solution
 from orbident.threads import one_blas_thread
 
 AS_ADDED = ("gyro", "attitude", "position", "velocity", "accelerometer")
@@ -67,14 +67,21 @@ def covariance_parts(problem: Problem, solution: Solution) -> ErrorSources:
     for name, (kind, which) in _families(problem, solution).items():
         parts[name] = ErrorSource(kind, _squared(before[which]), known(which))
     parts["nominal values"] = ErrorSource("other", _squared(before[beta]))
-    for name, kind, equations in (
-        ("other recordings", "recording", prior.others),
-        ("known beforehand", "other", prior.measured),
-    ):
-        if len(equations):
-            A = equations[:, :-1]
-            parts[name] = ErrorSource(kind, _squared(A @ X[: A.shape[1]]))
+    for name, (kind, equations) in _given(prior).items():
+        A = equations[:, :-1]
+        parts[name] = ErrorSource(kind, _squared(A @ X[: A.shape[1]]))
     return parts
+
+
+def _given(
+    prior: Prior,
+) -> Mapping[str, tuple[Kind, Float[np.ndarray, "rows columns"]]]:
+    """Equations that hold beforehand, by their names."""
+    every: dict[str, tuple[Kind, Float[np.ndarray, "rows columns"]]] = {
+        "other recordings": ("recording", prior.others),
+        "known beforehand": ("other", prior.measured),
+    }
+    return {name: each for name, each in every.items() if len(each[1])}
 
 
 def _squared(rows: Float[np.ndarray, "rows beta"]) -> Float[np.ndarray, "beta beta"]:
