@@ -14,11 +14,11 @@ from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
-    alike_springs,
     beside_nominal,
     mass_checks,
     positive_energy,
     possible_numbers,
+    what_swings,
 )
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import changes_in_words
@@ -73,7 +73,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_agreement(solved),
             *mass_checks(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
-            *alike_springs(estimate),
+            *what_swings(shown or estimate),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_thrusters(shown or estimate),

@@ -158,6 +158,8 @@ class Estimate(BesideParameters):
     """Groups that act more than the robot's world, or its file, says that they may."""
     rest: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
     """How much more momentum was found than a robot at rest may have."""
+    carried: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
+    """How far what passive joints carry is from what was known of it beforehand."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     sources: Callable[[], ErrorSources] | None = None

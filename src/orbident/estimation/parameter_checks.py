@@ -284,12 +284,21 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
         yield Check("possible numbers", "do not trust", reason, CAUSES)
 
 
-def alike_springs(estimate: Estimate) -> Iterator[Check]:
-    """Whether two passive joints swing alike.
+def what_swings(estimate: Estimate) -> Iterator[Check]:
+    """Whether passive joints carry what they may, and no two of them swing alike.
 
-    What tells their parameters apart is bent then, and deviations are of first order:
-    of two equal panels some base parameters were twelve deviations off.
+    What tells the parameters of such two apart is bent, and deviations are of first
+    order.
     """
+    if estimate.carried.is_no_chance("other parameters"):
+        yield Check(
+            "what swings",
+            "do not trust",
+            "what passive joints carry is not what their nominal inertias say: by "
+            f"{estimate.carried.value**0.5:.2g} of the deviations beforehand",
+            "check masses and places of what swings, or say how well its inertia is "
+            "known (passive: JOINT: inertia in the robot file)",
+        )
     for (one, this), (two, other) in combinations(estimate.springs.items(), 2):
         apart = abs(np.log(this.frequency / other.frequency))
         if apart < ALIKE:

@@ -153,6 +153,16 @@ def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
     return _surprise(value, prior.std[axes], C[np.ix_(here, here)])
 
 
+def surprise_of_measured(solution: Solution) -> ChiSquare:
+    """How far parameters are from what was known of them beforehand."""
+    equations, state, C = solution.prior.measured, solution.state, solution.covariance
+    first = len(C) - state.common.size
+    common = slice(first, first + equations.shape[1] - 1)
+    A, b = equations[:, :-1], equations[:, -1]
+    value = b - A @ state.common[: A.shape[1]]
+    return _surprise(value, np.ones(b.size), A @ C[common, common] @ A.T)
+
+
 def _surprise(
     value: Float[np.ndarray, " n"],
     std: Float[np.ndarray, " n"],

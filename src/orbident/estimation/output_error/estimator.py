@@ -42,6 +42,7 @@ from orbident.estimation.output_error.beforehand import (
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
+    surprise_of_measured,
     surprise_of_rest,
     widened_by,
     with_densities,
@@ -51,6 +52,7 @@ from orbident.estimation.output_error.joint_laws import (
     LOOSE,
     moving_alone,
     springs_of,
+    what_is_carried_held,
 )
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
@@ -137,6 +139,9 @@ class OutputError:
             rest=surprise_of_rest(equations, found.solution)
             if problem.initial_momentum == "at-rest"
             else ChiSquare(0.0, 0),
+            carried=surprise_of_measured(found.solution)
+            if robot.passive
+            else ChiSquare(0.0, 0),
             calibration=calibration,
             springs=springs_of(robot, calibration),
             sensitivity=partial(sensitivity, zeros),
@@ -187,9 +192,10 @@ class OutputError:
                 ).state
                 for end in ends
             ]
+            held = what_is_carried_held(prior)
             for part in parts:
                 fits = [
-                    solved(part, part.weights, prior, end, step, self.steps)
+                    solved(part, part.weights, held, end, step, self.steps)
                     for end in ends
                 ]
                 ends = [min(fits, key=lambda fit: fit.cost).state]

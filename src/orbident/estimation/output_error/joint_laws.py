@@ -27,6 +27,10 @@ LOOSE = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 more and more periods, and the fit of a whole recording has many minima; that of joints
 which may move nearly as they like has one, and leads to the next."""
 
+FIRST_HELD = 30.0
+"""What is known of carried inertias counts so many times as much in those fits. Where
+joints may move nearly as they like, how far they swing and what they carry are one
+unknown: searches went along it, and from there to other minima."""
 
 EXACT = CalibrationFit(0.0, 0.0, 0.0)
 """Of what is taken as it is declared."""
@@ -73,6 +77,11 @@ def moving_alone(prior: Prior, at: Unknowns) -> Prior:
     values[OUTSIDE:] = at.common[OUTSIDE:]
     std[OUTSIDE:] *= HELD
     return prior._replace(values=values, std=std)
+
+
+def what_is_carried_held(prior: Prior) -> Prior:
+    """What is known where what joints carry is hardly free."""
+    return prior._replace(measured=FIRST_HELD * prior.measured)
 
 
 def springs_of(
