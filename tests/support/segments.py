@@ -147,7 +147,6 @@ def segment_of(
         corrections=np.ones(2 * joints),
         walk=np.ones(9),
         passive=np.array(passive, dtype=float),
-        like=np.array(passive, dtype=float),
         laws=np.reshape(laws, (len(passive), 4 + robot.theta.size)),
     )
     common = np.concatenate([*outside, sets.beta(robot.theta)])

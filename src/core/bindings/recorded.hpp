@@ -98,8 +98,7 @@ inline OwnedRecorded make_recorded(
     const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& corrections, const Array& walk, const Array& passive_, const Array& like_,
-    const Array& laws_) {
+    const Array& corrections, const Array& walk, const Array& passive_, const Array& laws_) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -150,9 +149,6 @@ inline OwnedRecorded make_recorded(
                     {}};
   const auto passive =
       whole_numbers("passive", input<1>("passive", passive_, {ANY}), static_cast<double>(K));
-  const auto like =
-      whole_numbers("like", input<1>("like", like_, {static_cast<std::int64_t>(passive.size())}),
-                    static_cast<double>(K));
   all.laws =
       input<2>("laws", laws_, {static_cast<std::int64_t>(passive.size()), 4 + PER_BODY * (K + 1)});
   for (std::size_t e = 0; e < passive.size(); ++e) {
@@ -162,7 +158,6 @@ inline OwnedRecorded make_recorded(
     if (!(law[2] > 0.0 && law[3] > 0.0)) throw nb::value_error("laws: a walk is not above zero");
     all.springs.push_back({passive[e],
                            static_cast<int>(at - all.corrected.begin()),
-                           like[e],
                            law[0],
                            law[1],
                            {law[2], law[3]},

@@ -9,7 +9,7 @@ from typing import Any
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
-from orbident.report.parameter_section import mass_rows, routes_left_out
+from orbident.report.parameter_section import mass_rows, routes_left_out, spring_table
 
 TITLES = {
     "base": "base parameters: what free floating can identify",
@@ -37,8 +37,9 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     if result.status == "rejected":
         return [*_refused(result, everything), *written]
     if everything:
-        lines = [*result.summary()[:2], *_everything(result), *_sensitivity(result)]
-        return [*lines, *budget_lines(result.budget()), *written]
+        lines = [*result.summary()[:2], *_everything(result), *_springs(result)]
+        lines += [*_sensitivity(result), *budget_lines(result.budget())]
+        return [*lines, *written]
     return [
         *result.summary(),
         "",
@@ -81,7 +82,6 @@ def _everything(result: Any) -> list[str]:
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)
-    lines += _springs(result)
     lines += _disturbances(result)
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
@@ -140,13 +140,10 @@ def _calibration(result: Any) -> list[str]:
     return ["", "calibration errors, SI or relative", *lines] if lines else []
 
 
-def _springs(result: Any) -> list[str]:
-    """How joints swing that nobody measures."""
-    return [
-        f"joint {name} swings at {fit.frequency:.5g} +- {fit.frequency_std:.2g} Hz, "
-        f"damped by {100 * fit.damping:.3g} +- {100 * fit.damping_std:.2g} %"
-        for name, fit in result.springs.items()
-    ]
+def _springs(result: Any) -> list[str | DataTable]:
+    """How passive joints swing."""
+    table = spring_table(result)
+    return [table] if table.rows else []
 
 
 def _disturbances(result: Any) -> list[str]:

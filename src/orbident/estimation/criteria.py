@@ -73,7 +73,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_agreement(solved),
             *mass_checks(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
-            *what_swings(shown or estimate),
+            *what_swings(robot.passive, estimate.springs, estimate.carried),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_thrusters(shown or estimate),

@@ -202,6 +202,13 @@ class Prior(NamedTuple):
     """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
     measured: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
     """The same of what scales and balances said."""
+    carried: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
+    """The same of what passive joints carry."""
+
+    @property
+    def equations(self) -> tuple[Float[np.ndarray, "rows columns"], ...]:
+        """All equations."""
+        return self.others, self.measured, self.carried
 
     def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
         """The prior with more unknowns, which are zero with these deviations."""
@@ -216,7 +223,7 @@ class Prior(NamedTuple):
         """Add the prior to a triangular factor over changes of `[g, rhs]`."""
         rhs = (self.values - state.common) / self.std
         factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
-        for equations in (self.others, self.measured):
+        for equations in self.equations:
             if len(equations):
                 first = equations.shape[1] - 1
                 rows = np.zeros((len(equations), len(factor)))
@@ -228,7 +235,7 @@ class Prior(NamedTuple):
     def cost(self, state: Unknowns) -> float:
         """Squared, whitened."""
         own = (state.common - self.values) / self.std
-        more = (_unexplained(x, state) for x in (self.others, self.measured))
+        more = (_unexplained(x, state) for x in self.equations)
         return float(np.sum(own**2) + sum(np.sum(each**2) for each in more))
 
 

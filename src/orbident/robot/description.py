@@ -209,7 +209,7 @@ class Passive(NamedTuple):
     """A joint on a spring that nobody measures: a panel, a boom, fuel as a pendulum.
 
     Its torque is `-k q - c qd`, with `k = (2 pi f)^2 I` and `c = 2 zeta k / (2 pi f)`
-    where `I` is the nominal inertia of what it carries about its axis.
+    where `I` is the inertia of what it carries about its axis.
     """
 
     frequency: Rate
@@ -219,7 +219,8 @@ class Passive(NamedTuple):
     tolerance: Share = 0.2
     """Standard deviation of the frequency, relative."""
     like: Name = ""
-    """Another passive joint of one make, whose frequency and damping it has."""
+    """Another passive joint of one make, whose frequency and damping it has; what they
+    carry has one inertia."""
     inertia: Share = 0.1
     """That of the nominal inertia of what it carries, about its axis: how far it swings
     nobody measures, and so only the CAD model tells it."""

@@ -37,7 +37,6 @@ constexpr int TRACKERS = 2;  // attitude and position: their noise may last
 struct Spring {
   int joint;
   int correction;         // which of the joints with corrections it is
-  int like;               // the joint whose x and y it has
   double square;          // r^2, rad^2/s^2
   double damping;         // d, 1/s
   double walk[2];         // what else moves its position and rate, per square root of a second

@@ -93,7 +93,7 @@ inline double inertia_on(const Spring& spring, const Recorded& recorded, const d
 struct Held {
   double square, damping;
   Held(const Spring& spring, const Calibration& calibration) {
-    const double* x = calibration.values + spring.like;
+    const double* x = calibration.values + spring.joint;
     square = std::exp(2 * x[calibration.places.spring()]) * spring.square;
     damping = std::exp(x[calibration.places.damper()]) * spring.damping;
   }
@@ -219,10 +219,8 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
     write_known(recorded, at, own.places, joints, by, own.C + (Y + i) * n);
     for (int c = 0; c < recorded.columns.calibrations; ++c) {
       double& entry = C(Y + i, recorded.columns.calibration() + c);
-      if (at.calibration.selected[c] == places.spring() + spring.like)
-        entry -= 2 * held.square * inertia * q;
-      if (at.calibration.selected[c] == places.damper() + spring.like)
-        entry -= held.damping * inertia * qd;
+      if (at.calibration.selected[c] == places.spring() + k) entry -= 2 * held.square * inertia * q;
+      if (at.calibration.selected[c] == places.damper() + k) entry -= held.damping * inertia * qd;
     }
     node.p[i] = own.at.values[3 + k];
     node.p_rate[i] = own.at.values[3 + K + k] - pulls * inertia;

@@ -16,7 +16,6 @@ from orbident.estimation.output_error.problem import (
     common_factor,
 )
 from orbident.estimation.solution import (
-    NO_EQUATIONS,
     OUTSIDE,
     Outside,
     Prior,
@@ -36,6 +35,11 @@ UNKNOWN = 1e3
 
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
+
+ONE_MAKE = 0.02
+"""Std of how far frequencies and inertias of two of one make are apart, relative: more
+than a workshop leaves, and less than the 10 % within which deviations of first order
+do not hold."""
 
 
 def first_momentum(
@@ -88,18 +92,34 @@ def prior_of(
         std=np.concatenate(
             [std, prior_std(robot, sets), [each.std for each in calibrations]]
         ),
-        measured=np.vstack([measured_rows(robot, sets), _carried(robot, sets)]),
+        measured=measured_rows(robot, sets),
+        carried=_carried(robot, sets, [each.name for each in calibrations]),
     )
 
 
-def _carried(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, "rows columns"]:
-    """What is known of the inertias that passive joints carry, whitened."""
-    beta, rows = sets.beta(robot.theta), []
+def _carried(
+    robot: Robot, sets: MinimalSets, errors: Sequence[str]
+) -> Float[np.ndarray, "rows columns"]:
+    """What is known of what passive joints carry, and of two of one make.
+
+    Whitened equations over `[outside | beta | errors]`. Relative to the nominal ones,
+    inertias are one, and those of one make are alike, as their frequencies are.
+    """
+    beta, rows, own = sets.beta(robot.theta), [], {}
     for name, passive in robot.passive.items():
         by = carried_inertia(robot, robot.joint_names.index(name))
-        by = by / (passive.inertia * (by @ robot.theta.ravel())) @ sets.base.theta_of
-        rows.append([*np.zeros(OUTSIDE), *by, by @ beta])
-    return np.reshape(rows, (len(rows), OUTSIDE + beta.size + 1))
+        by = by / (by @ robot.theta.ravel()) @ sets.base.theta_of
+        swings = np.array([each == f"joint.{name}.frequency" for each in errors])
+        own[name] = (
+            np.concatenate([np.zeros(OUTSIDE), by, 0 * swings, [by @ beta]]),
+            np.concatenate([np.zeros(OUTSIDE + beta.size), swings, [0.0]]),
+        )
+        rows.append(own[name][0] / passive.inertia)
+    for name, passive in robot.passive.items():
+        if passive.like:
+            alike = zip(own[name], own[passive.like], strict=True)
+            rows += [(one - other) / ONE_MAKE for one, other in alike]
+    return np.reshape(rows, (len(rows), OUTSIDE + beta.size + len(errors) + 1))
 
 
 def measured_rows(
@@ -147,7 +167,7 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     # What is known of the shared ones beforehand is known once, not in each recording.
     std = prior.std.copy()
     std[shared] = np.inf
-    alone = prior._replace(std=std, others=NO_EQUATIONS, measured=NO_EQUATIONS)
+    alone = Prior(prior.values, std)
     factor = alone.added(common, state)
     left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]

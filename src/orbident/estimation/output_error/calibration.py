@@ -13,7 +13,7 @@ import numpy as np
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Joint, Robot
-from orbident.robot.tolerances import CALIBRATION_KINDS, SPRINGS
+from orbident.robot.tolerances import CALIBRATION_KINDS
 from orbident.robot.units import OF_A_JOINT, POSITION_OF, si_unit
 
 NOTHING_FREE: Mapping[str, float] = {}
@@ -79,9 +79,7 @@ def _errors(
             dimension = POSITION_OF[joint.kind]
         if joint is not None and tolerance == DOUBLES_ZERO[joint.kind]:
             hidden = {int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))}
-        if NEITHER_OF.get(tolerance) is (name in robot.passive) or (
-            family == SPRINGS and robot.passive[name].like
-        ):
+        if NEITHER_OF.get(tolerance) is (name in robot.passive):
             hidden = {*ALL}
         unit = si_unit(dimension)
         yield (

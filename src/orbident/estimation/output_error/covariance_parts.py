@@ -79,7 +79,8 @@ def _given(
     """Equations that hold beforehand, by their names."""
     every: dict[str, tuple[Kind, Float[np.ndarray, "rows columns"]]] = {
         "other recordings": ("recording", prior.others),
-        "known beforehand": ("other", prior.measured),
+        "measured before": ("other", prior.measured),
+        "what swings": ("other", prior.carried),
     }
     return {name: each for name, each in every.items() if len(each[1])}
 

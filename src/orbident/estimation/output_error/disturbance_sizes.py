@@ -153,9 +153,9 @@ def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
     return _surprise(value, prior.std[axes], C[np.ix_(here, here)])
 
 
-def surprise_of_measured(solution: Solution) -> ChiSquare:
-    """How far parameters are from what was known of them beforehand."""
-    equations, state, C = solution.prior.measured, solution.state, solution.covariance
+def surprise_of_carried(solution: Solution) -> ChiSquare:
+    """How far what passive joints carry is from what was known of it beforehand."""
+    equations, state, C = solution.prior.carried, solution.state, solution.covariance
     first = len(C) - state.common.size
     common = slice(first, first + equations.shape[1] - 1)
     A, b = equations[:, :-1], equations[:, -1]

@@ -42,7 +42,7 @@ from orbident.estimation.output_error.beforehand import (
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
-    surprise_of_measured,
+    surprise_of_carried,
     surprise_of_rest,
     widened_by,
     with_densities,
@@ -139,9 +139,7 @@ class OutputError:
             rest=surprise_of_rest(equations, found.solution)
             if problem.initial_momentum == "at-rest"
             else ChiSquare(0.0, 0),
-            carried=surprise_of_measured(found.solution)
-            if robot.passive
-            else ChiSquare(0.0, 0),
+            carried=surprise_of_carried(found.solution),
             calibration=calibration,
             springs=springs_of(robot, calibration),
             sensitivity=partial(sensitivity, zeros),

@@ -41,8 +41,6 @@ class JointLaws(NamedTuple):
 
     passive: Float[np.ndarray, " passive"]
     """Indices of joints."""
-    like: Float[np.ndarray, " passive"]
-    """The joint whose frequency and damping each has: another one, or itself."""
     laws: Float[np.ndarray, "passive numbers"]
     """The square of the rate at which it swings, the rate at which it is damped, what
     position and rate walk in a second, and the inertia by `theta`; SI."""
@@ -64,11 +62,8 @@ def joint_laws(robot: Robot, unexplained: float) -> JointLaws:
         walk = unexplained * np.sqrt(passive.frequency)
         law[:4] = rate**2, 2 * passive.damping * rate, walk, rate * walk
         law[4:] = carried_inertia(robot, robot.joint_names.index(name))
-    passive, like = (
-        np.array([robot.joint_names.index(name) for name in each], dtype=float)
-        for each in (names, [robot.passive[name].like or name for name in names])
-    )
-    return JointLaws(passive, like, laws)
+    passive = [float(robot.joint_names.index(name)) for name in names]
+    return JointLaws(np.array(passive), laws)
 
 
 def moving_alone(prior: Prior, at: Unknowns) -> Prior:
@@ -81,7 +76,7 @@ def moving_alone(prior: Prior, at: Unknowns) -> Prior:
 
 def what_is_carried_held(prior: Prior) -> Prior:
     """What is known where what joints carry is hardly free."""
-    return prior._replace(measured=FIRST_HELD * prior.measured)
+    return prior._replace(carried=FIRST_HELD * prior.carried)
 
 
 def springs_of(
@@ -91,7 +86,7 @@ def springs_of(
     found = {}
     for name, declared in robot.passive.items():
         rate, damping = (
-            errors.get(f"joint.{declared.like or name}.{what}", EXACT)
+            errors.get(f"joint.{name}.{what}", EXACT)
             for what in ("frequency", "damping")
         )
         frequency = declared.frequency * np.exp(rate.value)
