@@ -26,7 +26,7 @@ def test_two_that_differ():
 @pytest.mark.parametrize(("found", "std"), [((1.0, 1.05), 1e-3), ((0.9, 1.058), 1e-2)])
 def test_two_that_may_swing_alike(found, std):
     """The second are equal panels as they were found, sixteen per cent apart."""
-    (check,) = what_swings(panels(1.1, 0.9), springs(*found, std), AS_KNOWN)
+    (check,) = what_swings(panels(1.1, 0.9), springs(*found, std=std), AS_KNOWN)
     assert check.level == "do not trust"
     assert "joints 'left' and 'right' swing alike, or may" in check.reason
     assert "right: {like: left}" in check.remedy

@@ -1,11 +1,14 @@
 """Joints that nobody measures, as robot files write them."""
 
+import numpy as np
 import pytest
 from urdf_texts import ARM
 
 from orbident.errors import InputError
+from orbident.estimation.weigh import weigh
 from orbident.excitation.bound import cramer_rao
 from orbident.excitation.design import design_excitation
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive
 from orbident.simulation.simulate import simulate
 from orbident.trajectories.trajectory_file import load_trajectory
@@ -72,6 +75,18 @@ def test_what_takes_none_says_so(load_yaml, tmp_path):
         lambda: simulate(robot, motion),
         lambda: design_excitation(robot),
         lambda: cramer_rao(robot, motion),
+        lambda: weigh(robot, Recording(np.arange(3.0), {}, "burn.csv")),
     ):
         with pytest.raises(InputError, match="joint 'joint2' is passive, and the"):
             asked()
+
+
+def test_a_joint_is_passive_or_measured(load_yaml):
+    """A column of zeros is what a simulator writes of a joint that it holds."""
+    robot = load_yaml(f"passive: {{{RATE}}}}}")
+    t = np.linspace(0.0, 1.0, 5)
+    columns = {"joint.joint1.position": t, "joint.joint2.position": 0 * t}
+    recording = Recording(t, columns, "r.csv")
+    assert not recording.with_joints_of(robot).column("joint.joint2.velocity").any()
+    with pytest.raises(InputError, match="joint 'joint2' is measured, and"):
+        recording.with_columns({"joint.joint2.position": t}).with_joints_of(robot)
