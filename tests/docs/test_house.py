@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 303,
-    "lines": 58_012,
-    "files of estimation": 47,
-    "lines of estimation": 10_477,
+    "files": 306,
+    "lines": 58_615,
+    "files of estimation": 48,
+    "lines of estimation": 10_826,
     "files with one user": 66,
     "imports below each other": 30,
     "numbers without a reason": 39,
