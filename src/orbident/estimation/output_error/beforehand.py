@@ -36,10 +36,9 @@ UNKNOWN = 1e3
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
 
-ONE_MAKE = 0.02
-"""Std of how far frequencies and inertias of two of one make are apart, relative: more
-than a workshop leaves, and less than the 10 % within which deviations of first order
-do not hold."""
+ONE_MAKE = {"inertia": 0.01, "frequency": 0.01, "damping": 0.1}
+"""Std of how far two of one make are apart, relative: what a workshop leaves, and less
+than the 10 % within which deviations of first order do not hold."""
 
 
 def first_momentum(
@@ -109,16 +108,22 @@ def _carried(
     for name, passive in robot.passive.items():
         by = carried_inertia(robot, robot.joint_names.index(name))
         by = by / (by @ robot.theta.ravel()) @ sets.base.theta_of
-        swings = np.array([each == f"joint.{name}.frequency" for each in errors])
-        own[name] = (
-            np.concatenate([np.zeros(OUTSIDE), by, 0 * swings, [by @ beta]]),
-            np.concatenate([np.zeros(OUTSIDE + beta.size), swings, [0.0]]),
-        )
-        rows.append(own[name][0] / passive.inertia)
-    for name, passive in robot.passive.items():
-        if passive.like:
-            alike = zip(own[name], own[passive.like], strict=True)
-            rows += [(one - other) / ONE_MAKE for one, other in alike]
+        none, nothing = np.zeros(OUTSIDE), np.zeros(OUTSIDE + beta.size)
+        own[name] = {
+            "inertia": np.concatenate([none, by, np.zeros(len(errors)), [by @ beta]])
+        } | {
+            what: np.concatenate(
+                [nothing, [each == f"joint.{name}.{what}" for each in errors], [0.0]]
+            )
+            for what in ("frequency", "damping")
+        }
+        rows.append(own[name]["inertia"] / passive.inertia)
+    rows += [
+        (own[name][what] - own[passive.like][what]) / std
+        for name, passive in robot.passive.items()
+        for what, std in ONE_MAKE.items()
+        if passive.like
+    ]
     return np.reshape(rows, (len(rows), OUTSIDE + beta.size + len(errors) + 1))
 
 
