@@ -5,6 +5,9 @@ Arm and wheels follow commands; base and panels move as they must.
 python examples/mujoco-panels/identify.py
 """
 
+# MuJoCo is compiled, and its stubs do not say what it exports.
+# pyright: reportAttributeAccessIssue=false
+
 from pathlib import Path
 
 import mujoco
@@ -33,9 +36,9 @@ def commanded(t: float) -> np.ndarray:
     return np.r_[begun * shoulder, begun * elbow, SPIN * (1 + 0.3 * np.sin(0.15 * t))]
 
 
-def flown(robot: Robot) -> tuple[np.ndarray, Truth]:
+def flown(robot: Robot, model_file: Path) -> tuple[np.ndarray, Truth]:
     """Times of the rows, s, and what perfect sensors would show there."""
-    model = mujoco.MjModel.from_xml_path(str(HERE / "satellite.xml"))
+    model = mujoco.MjModel.from_xml_path(str(model_file))
     data = mujoco.MjData(model)
     names = [*robot.joint_names, *robot.wheel_names]
     at = [model.joint(name).qposadr[0] for name in names]
@@ -62,9 +65,11 @@ def flown(robot: Robot) -> tuple[np.ndarray, Truth]:
     )
 
 
-def recorded(robot: Robot, seed: int) -> Recording:
+def recorded(
+    robot: Robot, seed: int, model_file: Path = HERE / "satellite.xml"
+) -> Recording:
     """The flight as sensors show it: nothing of the panels."""
-    recording = measure_truth(robot, *flown(robot), seed)
+    recording = measure_truth(robot, *flown(robot, model_file), seed)
     seen = {k: x for k, x in recording.columns.items() if "panel" not in k}
     return Recording(recording.t, seen, "flight")
 
