@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 306,
-    "lines": 58_615,
+    "lines": 58_621,
     "files of estimation": 48,
-    "lines of estimation": 10_826,
+    "lines of estimation": 10_832,
     "files with one user": 66,
     "imports below each other": 30,
     "numbers without a reason": 39,
