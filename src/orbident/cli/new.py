@@ -37,6 +37,7 @@ def new(
     """Write a robot file to edit, beside a URDF or for a robot without one."""
     from orbident.cli.output import Output
     from orbident.errors import InputError
+    from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import name_of, write_text
     from orbident.robot.new_robot_file import new_robot_text, robot_text_of_model
@@ -45,6 +46,8 @@ def new(
     output = Output(json, quiet)
     if robot.suffix.lower() not in {".yaml", ".yml"}:
         raise InputError(f"{robot}: give a name that ends in .yaml")
+    if model is not None and dh:
+        raise InputError("--model and --dh each describe the arm; give one of them")
     check_free(robot, force)
     if model is None:
         name, taken = name_of(robot.with_suffix("")), ()
@@ -58,7 +61,8 @@ def new(
     write_text(robot, text)
     named = f" ({', '.join(taken)}, by name)" if taken else ""
     output.say(
-        f"{robot}: written, with {joints} joints and {wheels} wheels{named}; edit its "
+        f"{robot}: written, with {counted(joints, 'joint')} and "
+        f"{counted(wheels, 'wheel')}{named}; edit its "
         f"numbers, then: orbident check {robot}"
     )
     output.write_json({"robot": str(robot), "joints": joints, "wheels": wheels})
