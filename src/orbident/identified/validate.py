@@ -88,8 +88,7 @@ class Validation(JsonPart):
                 sensors = f"{left:.3g} {unit}" if np.isfinite(left) else "unknown"
                 lines.append(
                     f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
-                    f"{sensors} by the sensors: what remains if the parameters are "
-                    "fitted to this recording"
+                    f"{sensors} by sensor noise (what a fit to this recording leaves)"
                 )
         if self.dof:
             lines.append(
