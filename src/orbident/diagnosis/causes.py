@@ -80,7 +80,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         )
         return
     for words in stale(problem.robot, problem.recording):
-        yield _found(words, "record each sample once, when it is taken")
+        yield _found(
+            words, "record each sample once, when it is taken, with all its digits"
+        )
         return
     if _of_the_scale(solved):
         # That is the cause: without a scale whatever is freed may seem to explain it.

@@ -40,7 +40,7 @@ def event(problem: MomentumProblem) -> Event | None:
     """
     t = problem.recording.t
     good, bad, before = _until(problem)
-    apart = _disagreeing(problem, max(good, FEWEST))
+    apart = _disagreeing(problem)
     if before is None:
         return _apart(apart, "") if apart else None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
@@ -79,10 +79,13 @@ def event(problem: MomentumProblem) -> Event | None:
     )
 
 
-def _disagreeing(problem: MomentumProblem, first: int) -> list[str]:
-    """The sensors without whose samples from a row on all others fit."""
+def _disagreeing(problem: MomentumProblem) -> list[str]:
+    """The sensors without which the others fit.
+
+    The first samples stay: without any velocity the mass could not be told.
+    """
     recording = problem.recording
-    later = np.arange(recording.t.size) >= first
+    later = np.arange(recording.t.size) >= FEWEST
     return [
         sensor
         for sensor in COMPONENTS
