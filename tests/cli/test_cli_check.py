@@ -52,7 +52,7 @@ def test_what_carries_an_arm_replaces_its_base(orbident: Orbident):
     base = "base: {mass: 200 kg, com: [0, 0, 0], inertia: [20, 22, 18]}\n"
     robot_file(Path(), lines=base)
     shown = orbident("check", "servicer.yaml").done().out
-    assert "base  200 kg, CM [0, 0, 0] m, I [18, 20, 22] kg m^2" in shown
+    assert "base  200 kg, CM [0, 0, 0] m, I [20, 22, 18] kg m^2" in shown
     robot_file(Path(), lines="base: {mass: 200 kg}\n")
     orbident("check", "servicer.yaml").refused("'inertia' is missing")
 
@@ -223,3 +223,19 @@ def test_simulate_says_which_sensors_are_left_out(orbident: Orbident):
     assert ran.status == 0
     assert "nothing is said of joints, wheels, gyro or attitude" in ran.err
     orbident("simulate", path, "m.yaml", "-o", "ideal.csv").done()
+
+
+def test_what_exporters_leave(orbident: Orbident):
+    """Inertias of other bodies, copied ones, and CMs that nobody worked out."""
+    heavy, at = (0.3, 0.3, 0.3), (0.0, 0.0, 0.0)
+    text = urdf(
+        link("base", *BASE),
+        *(link(f"l{k}", 0.1 * k, at, heavy, at) for k in (1, 2, 3)),
+        joint("j1", "base", "l1"),
+        joint("j2", "l1", "l2"),
+        joint("j3", "l2", "l3"),
+    )
+    shown = orbident("check", str(robot_file(Path(), text))).done().out
+    assert "l1: 0.1 kg with a radius of gyration of 2.1 m" in " ".join(shown.split())
+    assert "have different masses and the same inertia" in " ".join(shown.split())
+    assert "have their CMs at their joints" in " ".join(shown.split())
