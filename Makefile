@@ -66,7 +66,7 @@ wheels: .venv/tested
 	.ci/wheels
 
 # The documentation, in build/site.
-site: .venv/tested
+site: .venv/documented
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "the site is in build/site"
 
@@ -89,6 +89,10 @@ site: .venv/tested
 	@$(INSTALL) cmake ninja $(call REQUIRED,build-system requires)
 	@$(INSTALL) --no-build-isolation --no-deps --editable .
 	@touch $@
+
+.venv/documented: pyproject.toml .venv/libraries | .venv/core
+	$(INSTALL) "orbident[docs]"
+	touch $@
 
 # What tests need beside.
 .venv/tested: pyproject.toml .venv/libraries | .venv/core

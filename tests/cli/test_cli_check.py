@@ -33,6 +33,30 @@ def test_a_new_robot_is_called_as_its_file(orbident: Orbident, name: str):
     assert found == name
 
 
+def test_a_robot_file_beside_a_model(orbident: Orbident):
+    """Limits are the model's, and what is called a wheel is one."""
+    disc = link("disc", 0.5, (0, 0, 0), (0.005, 0.005, 0.01), (0, 0, 0))
+    wheel = joint("rw_1", "base", "disc", kind="continuous")
+    text = ARM.replace("</robot>", f"{wheel}{disc}</robot>")
+    Path("arm.urdf").write_text(text)
+    written = orbident("new", "robot.yaml", "--model", "arm.urdf").done().out
+    assert "2 joints and 1 wheel (rw_1, by name)" in written
+    document = orbident("inspect", "robot.yaml", "--json", "-").done().json
+    assert document["joints"] == ["joint1", "joint2"]
+    assert document["wheels"] == ["rw_1"]
+    orbident("new", "b.yaml", "--model", "no.urdf").refused("no.urdf")
+    orbident("new", "b.yaml", "--model", "arm.urdf", "--dh").refused("--dh")
+
+
+def test_what_carries_an_arm_replaces_its_base(orbident: Orbident):
+    base = "base: {mass: 200 kg, com: [0, 0, 0], inertia: [20, 22, 18]}\n"
+    robot_file(Path(), lines=base)
+    shown = orbident("check", "servicer.yaml").done().out
+    assert "base  200 kg, CM [0, 0, 0] m, I [20, 22, 18] kg m^2" in shown
+    robot_file(Path(), lines="base: {mass: 200 kg}\n")
+    orbident("check", "servicer.yaml").refused("'inertia' is missing")
+
+
 def test_what_somebody_edited_is_not_replaced(orbident: Orbident):
     orbident("new", "arm.yaml").done()
     before = Path("arm.yaml").read_bytes()
@@ -199,3 +223,19 @@ def test_simulate_says_which_sensors_are_left_out(orbident: Orbident):
     assert ran.status == 0
     assert "nothing is said of joints, wheels, gyro or attitude" in ran.err
     orbident("simulate", path, "m.yaml", "-o", "ideal.csv").done()
+
+
+def test_what_exporters_leave(orbident: Orbident):
+    """Inertias of other bodies, copied ones, and CMs that nobody worked out."""
+    heavy, at = (0.3, 0.3, 0.3), (0.0, 0.0, 0.0)
+    text = urdf(
+        link("base", *BASE),
+        *(link(f"l{k}", 0.1 * k, at, heavy, at) for k in (1, 2, 3)),
+        joint("j1", "base", "l1"),
+        joint("j2", "l1", "l2"),
+        joint("j3", "l2", "l3"),
+    )
+    shown = orbident("check", str(robot_file(Path(), text))).done().out
+    assert "l1: 0.1 kg with a radius of gyration of 2.1 m" in " ".join(shown.split())
+    assert "have different masses and the same inertia" in " ".join(shown.split())
+    assert "have their CMs at their joints" in " ".join(shown.split())

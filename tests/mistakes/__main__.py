@@ -7,6 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from campaign_of_mistakes import all_rows
+from mistakes import MISTAKES, REAL_EFFECTS
 from table import Count, markdown, totals
 
 from orbident.estimation.identify import METHODS
@@ -18,9 +19,15 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--out", type=Path, help="file for the table, Markdown")
     parser.add_argument("names", nargs="*", help="mistakes; all by default")
+    parser.add_argument(
+        "--real-effects", action="store_true", help="what instruments and gears do"
+    )
     given = parser.parse_args()
     rows = all_rows(
-        given.workers, given.names, lambda words: print(words, file=sys.stderr)
+        given.workers,
+        given.names,
+        lambda words: print(words, file=sys.stderr),
+        REAL_EFFECTS if given.real_effects else MISTAKES,
     )
     if given.out:
         given.out.write_text(markdown(rows), encoding="utf-8")

@@ -4,12 +4,16 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
+from mistake import Mistake
 from mistakes import MISTAKES, by_name
 from scoring import Row, row
 
 
 def all_rows(
-    workers: int, names: Sequence[str] = (), progress: Callable[[str], object] = str
+    workers: int,
+    names: Sequence[str] = (),
+    progress: Callable[[str], object] = str,
+    of: Sequence[Mistake] = MISTAKES,
 ) -> list[Row]:
     """The rows of all mistakes, in the order of the table.
 
@@ -17,10 +21,11 @@ def all_rows(
         workers: processes.
         names: the mistakes' names, where not all.
         progress: is called with what is done.
+        of: the mistakes of the table.
     """
     asked = [
         (robot, mistake.name)
-        for mistake in MISTAKES
+        for mistake in of
         if not names or mistake.name in names
         for robot in mistake.robots
     ]

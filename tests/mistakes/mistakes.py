@@ -7,6 +7,7 @@ from mistakes_in_columns import IN_COLUMNS
 from mistakes_in_geometry import IN_GEOMETRY
 from mistakes_in_motion import IN_MOTION
 from mistakes_in_sensors import IN_SENSORS
+from real_effects import EFFECTS
 
 MISTAKES = tuple(
     mistake._replace(group=group)
@@ -15,6 +16,13 @@ MISTAKES = tuple(
     )
     for mistake in members
 )
+
+REAL_EFFECTS = tuple(
+    effect._replace(group=group)
+    for group, members in EFFECTS.items()
+    for effect in members
+)
+"""What no user did wrong: a table of its own."""
 
 QUICK = (
     "one wheel negated",
@@ -38,5 +46,5 @@ def names_cause(mistake: Mistake, message: str) -> bool:
 
 def by_name(name: str) -> Mistake:
     """The one mistake of this name."""
-    (mistake,) = (each for each in MISTAKES if each.name == name)
+    (mistake,) = (each for each in (*MISTAKES, *REAL_EFFECTS) if each.name == name)
     return mistake

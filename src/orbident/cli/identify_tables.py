@@ -175,11 +175,13 @@ def _sensitivity(result: Any) -> list[str]:
     if table is None:
         return []
     name, unit, parameter, shift = table.worst()
+    if not shift:
+        return []
     return [
-        f"{len(table.errors)} errors of instruments are taken for zero: 1 {unit} of "
-        f"{name} would",
-        f"shift {parameter} by {Numeric(shift, '.2g')} sigmas (see 'tolerances' in the "
-        "docs; all: --json)",
+        f"{len(table.errors)} errors of instruments are taken for zero; most critical: "
+        f"{name} must be",
+        f"right to {Numeric(1 / shift, '.2g')} {unit}, which shifts {parameter} by one "
+        "sigma (see 'tolerances' in the docs; all: --json)",
     ]
 
 

@@ -1,5 +1,6 @@
 """`orbident new ROBOT.yaml`."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -23,25 +24,45 @@ def new(
         bool,
         typer.Option("--dh", help="Describe the arm by a Denavit-Hartenberg table."),
     ] = False,
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Of a robot that a URDF, xacro, MJCF or SDF describes."
+        ),
+    ] = None,
     force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a robot file to edit, for a robot without a URDF."""
+    """Write a robot file to edit, beside a URDF or for a robot without one."""
     from orbident.cli.output import Output
     from orbident.errors import InputError
+    from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import name_of, write_text
-    from orbident.robot.new_robot_file import new_robot_text
+    from orbident.robot.new_robot_file import new_robot_text, robot_text_of_model
+    from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
     if robot.suffix.lower() not in {".yaml", ".yml"}:
         raise InputError(f"{robot}: give a name that ends in .yaml")
+    if model is not None and dh:
+        raise InputError("--model and --dh each describe the arm; give one of them")
     check_free(robot, force)
-    name = name_of(robot.with_suffix(""))
-    write_text(robot, new_robot_text(name, joints, wheels, table=dh))
+    if model is None:
+        name, taken = name_of(robot.with_suffix("")), ()
+        text = new_robot_text(name, joints, wheels, table=dh)
+    else:
+        described = load_robot(model)
+        text, taken = robot_text_of_model(
+            described, os.path.relpath(model, robot.parent)
+        )
+        wheels, joints = len(taken), len(described.joints) - len(taken)
+    write_text(robot, text)
+    named = f" ({', '.join(taken)}, by name)" if taken else ""
     output.say(
-        f"{robot}: written, with {joints} joints and {wheels} wheels; edit its "
+        f"{robot}: written, with {counted(joints, 'joint')} and "
+        f"{counted(wheels, 'wheel')}{named}; edit its "
         f"numbers, then: orbident check {robot}"
     )
     output.write_json({"robot": str(robot), "joints": joints, "wheels": wheels})

@@ -26,11 +26,15 @@ ROUNDING = 1e-12
 """m and rad: what is below is rounding, and shown as zero."""
 
 
+SMALL = 1e-6
+"""Of the largest moment: smaller products of inertia are not shown."""
+
+
 def robot_tree(robot: Robot) -> Tree:
     """Bodies below the joints that they hang on.
 
     A joint's place and turn are in its parent's frame, its axis and the CM of the body
-    in the body's; `I` are principal moments about the CM.
+    in the body's; `I` is about the CM, in the body's axes.
     """
     tree = Tree(
         f"{robot.bodies[0]}  {_body_words(robot, 0)}\n"
@@ -102,8 +106,12 @@ def _body_words(robot: Robot, body: int) -> str:
     if m <= 0:
         return "no mass"
     com = _vector(theta[FIRST_MOMENT] / m)
-    moments = _vector(np.linalg.eigvalsh(inertia_about_com(theta)))
-    return f"{m:.6g} kg, CM {com} m, I {moments} kg m^2"
+    I = inertia_about_com(theta)
+    products = I[[0, 0, 1], [1, 2, 2]]
+    said = f"I {_vector(np.diag(I))} kg m^2"
+    if np.abs(products).max() > SMALL * np.abs(I).max():
+        said += f", xy xz yz {_vector(products)}"
+    return f"{m:.6g} kg, CM {com} m, {said}"
 
 
 def _joint_words(joint: Joint) -> str:

@@ -17,7 +17,7 @@ from orbident.diagnosis.linear_test import (
     tried_conventions,
 )
 from orbident.diagnosis.noisier_sensors import noisier_sensors, spikes, wandering
-from orbident.diagnosis.shifts import drifts, jumps, soft_joints, steps
+from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score_of
 from orbident.diagnosis.suspects import tried as put_right
@@ -80,7 +80,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         )
         return
     for words in stale(problem.robot, problem.recording):
-        yield _found(words, "record each sample once, when it is taken")
+        yield _found(
+            words, "record each sample once, when it is taken, with all its digits"
+        )
         return
     if _of_the_scale(solved):
         # That is the cause: without a scale whatever is freed may seem to explain it.
@@ -261,7 +263,7 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
         *beside(problem),
         *steps(problem, shown),
         *drifts(problem),
-        *soft_joints(problem),
+        *joint_errors(problem),
         *fast_clocks(problem),
     ):
         first = score_of(problem, shown.solution, suspect)

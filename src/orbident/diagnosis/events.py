@@ -1,4 +1,7 @@
-"""Whether a recording is good until something happens, and what that may have been."""
+"""Whether a recording is good until something happens, or without one instrument.
+
+Both are facts, since both were tried; what may be behind them stands after "perhaps".
+"""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -10,15 +13,14 @@ from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.levels import chi_square
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.sensors import COMPONENTS
+from orbident.files.names import joined
 
 HALVINGS = 4
 """How often the stretch of time in which the event may lie is halved."""
 
 FEWEST = 20
 """Samples of a part that may be identified for itself."""
-
-MASKED = ("position", "attitude")
-"""Sensors that may jump or drift for themselves."""
 
 BY_PART = "identify the part that fits, or remove what acts"
 
@@ -31,30 +33,25 @@ class Event(NamedTuple):
 
 
 def event(problem: MomentumProblem) -> Event | None:
-    """What happened; None where no part of the recording fits.
+    """What happened; None where neither a part fits, nor the whole without a sensor.
 
     Only what is said to fit was tried: what stands in brackets after "perhaps" are
     usual reasons, which nothing here tests.
     """
     t = problem.recording.t
     good, bad, before = _until(problem)
+    apart = _disagreeing(problem)
     if before is None:
-        return None
+        return _apart(apart, "") if apart else None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     after = _part(problem, slice(bad, None), "unknown")
     same = after.fits and not _differ(before, after)
     unclear = not after.fits and problem.initial_momentum == "at-rest"
-    # A push through the CM shows in positions alone, which then drift evenly.
-    pushed = ", or the robot was pushed (perhaps by a thruster's burst)"
-    pushed = f"{pushed}," if same else f"{pushed} or changed," if unclear else ""
-    for sensor in MASKED:
-        later = np.arange(problem.recording.t.size) >= good
-        rest = without(problem.recording, sensor, later)
-        if amended_trial("", problem, recording=rest).accepted:
-            return Event(
-                f"the {sensor} drifts, or has a jump (a step){pushed} {at}: without "
-                "its samples from then on the recording is accepted"
-            )
+    if apart:
+        # A push through the CM shows in positions alone, which then drift evenly.
+        pushed = ", or the robot was pushed, by a thruster's burst"
+        pushed = pushed if same else f"{pushed}, or changed" if unclear else ""
+        return _apart(apart, f"; it begins {at}", pushed)
     if unclear:
         return Event(
             f"the recording fits up to an event {at} (perhaps a push, such as a "
@@ -79,6 +76,34 @@ def event(problem: MomentumProblem) -> Event | None:
         "(perhaps a push, such as a thruster's burst)",
         "give the rows before and those after as two recordings of one robot: each has "
         "a momentum of its own",
+    )
+
+
+def _disagreeing(problem: MomentumProblem) -> list[str]:
+    """The sensors without which the others fit.
+
+    The first samples stay: without any velocity the mass could not be told.
+    """
+    recording = problem.recording
+    later = np.arange(recording.t.size) >= FEWEST
+    return [
+        sensor
+        for sensor in COMPONENTS
+        if recording.has_vector(sensor)
+        and amended_trial("", problem, recording=without(recording, sensor, later)).fits
+    ]
+
+
+def _apart(sensors: list[str], when: str, pushed: str = "") -> Event:
+    """What is known of sensors that do not agree with the others."""
+    one = len(sensors) == 1
+    without = "it" if one else f"any one of {'both' if len(sensors) == 2 else 'them'}"
+    return Event(
+        f"the {joined(sensors)} and the other instruments do not agree{when}: without "
+        f"{without} the recording fits (perhaps it drifts, jumps (a step), or has "
+        f"errors that last, or an encoder is off{pushed})",
+        "leave it out, or compare the instruments where the robot rests or is moved by "
+        "hand",
     )
 
 

@@ -6,7 +6,7 @@ Screening leaves out only what leaps out of the motion. What is smaller than the
 of a joint that moves is far beyond noise all the same.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -32,12 +32,13 @@ WANDERS = 100.0
 
 
 def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
-    """Identify again with the noise that neighbouring samples show."""
+    """Identify again with the noise that neighbouring samples show, of all sensors."""
     tables = shown_by(problem.robot, problem.recording)
     joints = [x for name, x in tables.items() if name.startswith("joint.")]
     if joints:
         tables["joints"] = np.hstack(joints)
     declared = problem.robot.sensors
+    words, amended = list[str](), dict[str, Sampled]()
     for name, sensor in {**declared.of_base, "joints": declared.joints}.items():
         if name not in tables or sensor is None or not sensor.white_noise:
             continue
@@ -48,13 +49,12 @@ def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
         if isinstance(sensor, InertialSpec):
             white = sensor.white_std(float(np.median(np.diff(problem.recording.t))))
         if shown > NOISIER * white:
-            words = (
-                f"the noise of the {name} is {shown:.2g} (SI), {shown / white:.2g} "
-                "times what the robot file declares"
-            )
+            words.append(f"of the {name} is {shown:.2g} (SI), {shown / white:.2g}")
             more = {"white_noise": shown * sensor.white_noise / white}
-            amended = sensor.model_copy(update=more)
-            yield _trial(problem, name, words, amended)._replace(seen=True)
+            amended[name] = sensor.model_copy(update=more)
+    if amended:
+        cause = f"the noise {', that '.join(words)} times what the robot file declares"
+        yield _trial(cause, problem, amended)._replace(seen=True)
 
 
 def wandering(problem: MomentumProblem) -> Iterator[Trial]:
@@ -67,16 +67,18 @@ def wandering(problem: MomentumProblem) -> Iterator[Trial]:
         "the bias of the gyro drifts far more than the robot file declares: with one "
         "that may walk 100 times as far"
     )
-    found = _trial(problem, "gyro", words, gyro.model_copy(update=walk))
+    found = _trial(words, problem, {"gyro": gyro.model_copy(update=walk)})
     if found.accepted:
         yield found._replace(rival=UNMODELLED)
 
 
-def _trial(problem: MomentumProblem, name: str, words: str, sensor: Sampled) -> Trial:
-    """The same problem with other noise of a sensor."""
+def _trial(
+    cause: str, problem: MomentumProblem, sensors: Mapping[str, Sampled]
+) -> Trial:
+    """The same problem with other noise of these sensors."""
     robot = problem.robot
-    sensors = robot.sensors.model_copy(update={name: sensor})
-    return amended_trial(words, problem, replace(robot, sensors=sensors))
+    amended = robot.sensors.model_copy(update=sensors)
+    return amended_trial(cause, problem, replace(robot, sensors=amended))
 
 
 OFF = 8.0

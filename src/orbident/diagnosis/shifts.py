@@ -10,7 +10,7 @@ the recording, the sensor jumped. If all sensors jump at once, time did. Rates l
 the motion, so a gyro's jumps are looked for in what is left of it after the fit.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -136,32 +136,74 @@ def drifts(problem: MomentumProblem) -> Iterator[Suspect]:
             yield _shifted(sensor, elapsed, _axes(problem, sensor), words)
 
 
-def soft_joints(problem: MomentumProblem) -> Iterator[Suspect]:
-    """Encoders on the motors of joints that give way: `q_m = q + c qdd`."""
+def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
+    """Encoders whose error has a course: in time, over a turn, or with the load.
+
+    One that is not in the middle of its axis is off by `a sin(q) + b cos(q)`. On the
+    motor of a joint that gives way it shows `q_m = q + c qdd`.
+    """
     names, t = problem.robot.joint_names, problem.samples.t
     if not names:
         return
+    position = np.column_stack(problem.samples.q)
     moved = np.column_stack(problem.samples.qd)
     seen = np.isfinite(moved).all(axis=1)
     inside = np.clip(problem.recording.t, *t[seen][[0, -1]])
+    q = CubicSpline(t[seen], position[seen])(inside)
     qdd = CubicSpline(t[seen], moved[seen])(inside, 1)
+    elapsed = (inside - inside[0]) / (inside[-1] - inside[0])
 
-    def words(c: Numbers) -> str:
-        k = int(np.argmax(c))
-        hertz = 1 / (2 * np.pi * np.sqrt(max(c[k], SMALL**2)))
+    def most(c: Numbers) -> tuple[str, float]:
+        """The joint whose numbers are the largest, and how large."""
+        size = np.linalg.norm(c.reshape(len(names), -1), axis=1)
+        return names[int(np.argmax(size))], float(size.max())
+
+    def drifting(c: Numbers) -> str:
+        return "joint {}: its position drifts by {:.2g} over the recording".format(
+            *most(c)
+        )
+
+    def off_centre(c: Numbers) -> str:
+        return (
+            "the encoder of joint {} is off the centre of its axis (an error of {:.2g} "
+            "rad over each turn)".format(*most(c))
+        )
+
+    def soft(c: Numbers) -> str:
+        name, bend = most(np.maximum(c, SMALL**2))
         return (
             "joints are flexible, between an encoder on the motor and the link: joint "
-            f"{names[k]} gives way, as if it swung at {hertz:.2g} Hz"
+            f"{name} gives way, as if it swung at {1 / (2 * np.pi * bend**0.5):.2g} Hz"
         )
+
+    one = np.ones(len(names))
+    yield _of_joints(names, drifting, SMALL * one, [elapsed[:, None] * one])
+    yield _of_joints(
+        names, off_centre, SMALL * np.tile(one, 2), [np.sin(q), np.cos(q) - 1]
+    )
+    # No spring pushes the other way.
+    yield _of_joints(names, soft, SMALL_BEND * one, [qdd], least=0.0)
+
+
+def _of_joints(
+    names: Sequence[str],
+    words: Callable[[Numbers], str],
+    small: Numbers,
+    courses: Sequence[Float[np.ndarray, "n joints"]],
+    least: float = -np.inf,
+) -> Suspect:
+    """An error of each joint by so much of each course; joint by joint."""
+    by_joint = np.stack(courses, axis=2)
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         recording = problem.recording
-        # No spring pushes the other way.
-        for name, error in zip(names, (np.maximum(c, 0.0) * qdd).T, strict=True):
+        sizes = np.maximum(c, least).reshape(len(names), -1)
+        for k, name in enumerate(names):
+            error = by_joint[:, k] @ sizes[k]
             recording = less(recording, f"joint.{name}", error[:, None])
         return problem.amended(recording=recording)
 
-    yield Suspect(words, np.full(len(names), SMALL_BEND), corrected)
+    return Suspect(words, small, corrected)
 
 
 def _shifted(

@@ -19,6 +19,9 @@ COUNTS = 3.0
 """Times the least step of a sensor: a coarse one shows the same until it moved so far,
 and a sensor that was stuck leaps."""
 
+WHOLE = 0.01
+"""Of a step: what rounding errors of decimals leave, at most."""
+
 
 def stale(robot: Robot, recording: Recording) -> Iterator[str]:
     """What repeats, in words; first what does so throughout."""
@@ -33,7 +36,10 @@ def stale(robot: Robot, recording: Recording) -> Iterator[str]:
     if len(held) == len(often) > 0:
         yield "rows repeat: all sensors show the same again and again"
     elif held:
-        words = ", ".join(f"{name} in {often[name]:.0%} of the rows" for name in held)
+        words = ", ".join(
+            f"{name} in {often[name]:.0%} of the rows{_rounded(same[name][1])}"
+            for name in held
+        )
         yield f"samples repeat the one before: {words}"
     for name, (t, x) in same.items():
         run = _longest(np.diff(x) == 0)
@@ -41,6 +47,14 @@ def stale(robot: Robot, recording: Recording) -> Iterator[str]:
             start, end = run
             words = f"{name} is stuck: the same value from t = {t[start]:.4g} to "
             yield f"{words}{t[end]:.4g} s"
+
+
+def _rounded(x: Float[np.ndarray, " n"]) -> str:
+    """Whether all that changes changes by whole steps, in words."""
+    moves = np.abs(np.diff(x))
+    counts = moves[moves > 0] / moves[moves > 0].min()
+    whole = np.abs(counts - np.round(counts)).max() < WHOLE
+    return f" (rounded to {moves[moves > 0].min():.2g})" if whole else ""
 
 
 def _longest(again: Bool[np.ndarray, " n"]) -> tuple[int, int] | None:

@@ -117,7 +117,7 @@ def _convergence(estimate: Estimate, shown: Estimate | None) -> Iterator[Check]:
     yield Check(
         "convergence",
         "do not trust",
-        "the estimate still changes from step to step, so there is no best one near",
+        "the fit did not converge: the estimate still changes from step to step",
         CAUSES,
     )
 

@@ -4,10 +4,10 @@ Methods have names here: a new one is a file, and a word in this one.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 from orbident.choices import InitialMomentum, Method
 from orbident.errors import InputError
@@ -32,7 +32,7 @@ from orbident.estimation.solve import solve
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
-from orbident.recordings.tables import open_recording
+from orbident.recordings.tables import RecordingLike, opened
 from orbident.robot.description import Robot
 from orbident.robot.passive_joints import require_measured
 from orbident.robot.robot_file import load_robot
@@ -65,13 +65,11 @@ def estimator_of(method: str | Estimator) -> Estimator:
 
 
 Opened = Recording | LongRecording
-RecordingLike = Recording | LongRecording | str | Path
-"""A recording, or the file that it is in."""
 
 
 @one_blas_thread
 def identify(
-    robot: Robot | str | Path,
+    robot: Robot | str | Path | Mapping[str, Any],
     recording: RecordingLike | Sequence[RecordingLike],
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
@@ -81,12 +79,13 @@ def identify(
     """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
 
     Args:
-        robot: geometry, wheels and structure, or the name of its file; its nominal
+        robot: geometry, wheels and structure, or what `load_robot` takes; its nominal
             inertia is at most where a search starts.
-        recording: of the free-floating robot, or the name of its file. A long one is
-            read in stretches where the method allows it. Several are identified as one
-            by maximum likelihood: each has its own momentum, attitudes, biases, clocks
-            and disturbances.
+        recording: of the free-floating robot, the name of its file, or its columns by
+            name (a `pandas.DataFrame`, or as `Recording.of` takes). A long one is read
+            in stretches where the method allows it. Several are identified as one by
+            maximum likelihood: each has its own momentum, attitudes, biases, clocks and
+            disturbances.
         method: an estimator, or the name of one with its usual options:
             `"maximum-likelihood"` fits all sensors at once; `"structured"` the
             equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
@@ -161,16 +160,12 @@ def _part(progress: Progress, k: int, recordings: int) -> Progress:
 def _recordings(
     given: RecordingLike | Sequence[RecordingLike], estimator: Estimator
 ) -> list[Opened]:
-    several = [given] if isinstance(given, RecordingLike) else given
+    several = (
+        [given] if isinstance(given, str) or not isinstance(given, Sequence) else given
+    )
     if not several:
         raise InputError("no recording is given; name at least one")
-    return [
-        _in_stretches(
-            open_recording(Path(each)) if isinstance(each, str | Path) else each,
-            estimator,
-        )
-        for each in several
-    ]
+    return [_in_stretches(opened(each), estimator) for each in several]
 
 
 def _judged(

@@ -207,8 +207,9 @@ def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
     yield Check(
         name,
         "do not trust" if certain else "with care",
-        f"a motion of the joints would have negative energy (moment {least.moment:.2g} "
-        f"+- {least.std:.2g} kg m^2), so no robot has such parameters",
+        "the mass matrix is not positive definite (least moment of a motion of the "
+        f"joints: {least.moment:.2g} +- {least.std:.2g} kg m^2): no robot has such "
+        "parameters",
         "check the signs of wheels, joints and gyro, --initial-momentum, and motors "
         "behind gears (rotors)"
         if certain

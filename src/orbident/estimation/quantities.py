@@ -20,7 +20,7 @@ from orbident.files.json_parts import (
     NullableVector,
     Symmetric,
 )
-from orbident.files.names import counted, joined
+from orbident.files.names import counted, joined, suggestion
 
 LISTED = 8
 """Parameters that a `repr` shows."""
@@ -145,6 +145,10 @@ class Quantity:
     value: NullableNumber
     std: NullableStd
 
+    def __float__(self) -> float:
+        """The number alone."""
+        return float(self.value)
+
     def __repr__(self) -> str:
         """The number with its deviation."""
         return f"{self.value:.6g} +- {self.std:.2g}"
@@ -190,6 +194,19 @@ class Identified(JsonPart):
         size = len(self.pi.names) + len(self.phi.names)
         if len(self.covariance) != size:
             raise InputError(f"the covariance of pi and phi is not {size} by {size}")
+
+    def __getitem__(self, name: str) -> Quantity:
+        """One parameter by its name: `M`, `sigma_1`, `iota_1`, `pi_1` or `phi_1`.
+
+        Raises:
+            InputError: there is none of that name.
+        """
+        for each in (self.base, self.pi, self.phi):
+            if name in each.names:
+                k = each.names.index(name)
+                return Quantity(float(each.values[k]), float(each.std[k]))
+        names = [n for each in (self.base, self.pi, self.phi) for n in each.names]
+        raise InputError(f"no parameter {name!r}; {suggestion(name, names, 'names')}")
 
     @property
     def mass_forms(self) -> MassRoutes:

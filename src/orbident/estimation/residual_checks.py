@@ -10,7 +10,7 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit, low_frequencies
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
 from orbident.estimation.output_error.disturbance_sizes import TOLD
-from orbident.estimation.signals import Signal
+from orbident.estimation.signals import SIGNAL_UNITS, Signal
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
@@ -54,7 +54,8 @@ def _noise(estimate: Estimate) -> Iterator[Check]:
         return
     size = float(np.sqrt(goodness.per_dof))
     level: Level = "with care" if size > NOISY else "trust"
-    reason = f"residuals are {size:.2g} times as large as the noise"
+    words = {"trust": "match", "with care": "are larger than"}[level]
+    reason = f"the residuals {words} the noise (by a factor of {size:.2g})"
     remedy = "" if level == "trust" else REMEDY
     yield Check(FIT, level, reason, remedy, goodness.per_dof, NOISY**2)
 
@@ -84,9 +85,10 @@ def _sensors(estimate: Estimate) -> Iterator[Check]:
         times = fit.noise / fit.declared
         level: Level = "with care" if times > NOISY else "trust"
         if np.isfinite(times):
+            unit = SIGNAL_UNITS[name]
             reason = (
-                f"{name}: its noise is {times:.2g} times what the robot file declares "
-                f"({fit.noise:.2g} against {fit.declared:.2g})"
+                f"noise of {name}: {fit.noise:.2g} {unit}, {times:.2g} times the "
+                f"{fit.declared:.2g} that the robot file declares"
             )
             remedy = "" if level == "trust" else REMEDY
             yield Check(f"noise of {name}", level, reason, remedy, times, NOISY)
@@ -111,9 +113,9 @@ def _whiteness(estimate: Estimate) -> Iterator[Check]:
         yield Check(
             name,
             "do not trust",
-            f"residuals of {signal.name} are not noise: at low frequencies they have "
-            f"{found.ratio:.2g} times the power of white noise, and more than "
-            f"{found.limit:.2g} is no chance, so something acts that is not modelled",
+            f"residuals of {signal.name} are not white: at low frequencies their power "
+            f"is {found.ratio:.2g} times that of white noise (limit "
+            f"{found.limit:.2g}), so something is not modelled",
             f"{CAUSES}; see whether a clock is late or runs fast, and whether "
             "anything pushes the robot or is loose on it",
             *found,

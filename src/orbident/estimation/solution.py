@@ -107,13 +107,14 @@ class Unknowns(NamedTuple):
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
     ) -> "Unknowns":
-        """The state after a step."""
+        """The state after a step; one that is far too long leads to no number."""
         turn, v, s = z[:, :3], self.x_WB[:, :3], self.x_WB[:, 3:]
-        vector = v + (s * turn + np.cross(v, turn)) / 2
-        x = np.hstack([vector, s - np.sum(v * turn, axis=1, keepdims=True) / 2])
         local = self.local + z
         local[:, :3] = 0.0
-        unit = x / np.linalg.norm(x, axis=1, keepdims=True)
+        with np.errstate(over="ignore", invalid="ignore"):
+            vector = v + (s * turn + np.cross(v, turn)) / 2
+            x = np.hstack([vector, s - np.sum(v * turn, axis=1, keepdims=True) / 2])
+            unit = x / np.linalg.norm(x, axis=1, keepdims=True)
         return self._replace(x_WB=unit, local=local, common=self.common + g)
 
 

@@ -81,7 +81,7 @@ def score(R: Float[np.ndarray, "rows numbers"], z: Float[np.ndarray, " rows"]) -
     x = np.linalg.lstsq(R, z)[0]
     after = z - R @ x
     # Where two numbers show alike, each is as sure as their sum is.
-    std = np.sqrt(np.diag(np.linalg.pinv(R.T @ R)))
+    std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(R.T @ R)), 0.0))
     seen = R.any(axis=0)
     return Score(x, np.where(seen, std, np.inf), float(z @ z - after @ after))
 

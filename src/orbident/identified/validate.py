@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import Field
 
+from orbident.errors import InputError
 from orbident.estimation.base_parameters import exact_std
 from orbident.estimation.identify import identify
 from orbident.estimation.levels import chi_square
@@ -23,7 +24,9 @@ from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.preprocessing.wrenches import recorded_thrust
+from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
+from orbident.recordings.tables import RecordingLike, opened
 
 Verdict = Literal["explained", "not explained", "not judged"]
 
@@ -85,8 +88,7 @@ class Validation(JsonPart):
                 sensors = f"{left:.3g} {unit}" if np.isfinite(left) else "unknown"
                 lines.append(
                     f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
-                    f"{sensors} by the sensors: what remains if the parameters are "
-                    "fitted to this recording"
+                    f"{sensors} by sensor noise (what a fit to this recording leaves)"
                 )
         if self.dof:
             lines.append(
@@ -102,14 +104,15 @@ class Validation(JsonPart):
         return "\n".join([verdict + reason, *self.summary()])
 
 
-def validate(result: Result, recording: Recording) -> Validation:
+def validate(result: Result, recording: RecordingLike) -> Validation:
     """Predict a recording's base rates and velocities, score and judge the errors.
 
     Where thrust is recorded, the motion is not predicted, and parameters are compared.
 
     Args:
         result: complete and not rejected.
-        recording: of the same robot; one that the result is not from says most.
+        recording: of the same robot, as `identify` takes it; one that the result is not
+            from says most.
 
     Returns:
         The errors, and whether the deviations of the parameters and the noise of the
@@ -119,6 +122,10 @@ def validate(result: Result, recording: Recording) -> Validation:
         InputError: the result is rejected or has undetermined parameters, or the
             recording lacks what prediction needs.
     """
+    if not isinstance(result, Result):
+        raise InputError("give the result first, and then the recording")
+    held = opened(recording)
+    recording = held.read() if isinstance(held, LongRecording) else held
     thrust = any(recorded_thrust(result.robot, recording))
     scores = _unscored(recording) if thrust else scored(result, recording)
     own = identify(result.robot, recording, initial_momentum=result.initial_momentum)

@@ -1,9 +1,9 @@
 """The recording as plain frozen data: what was measured, and when."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -14,6 +14,7 @@ from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
     VECTORS,
+    check_names,
     columns_in_words,
     is_known,
     meaning,
@@ -48,6 +49,19 @@ def float32_step(t: Float[np.ndarray, " samples"]) -> float:
 
 QUATERNION_TOLERANCE = 0.01
 """Loggers that print few digits stay well inside; another convention does not."""
+
+
+@runtime_checkable
+class Table(Protocol):
+    """Columns by name: a mapping, or a `pandas.DataFrame`."""
+
+    def keys(self) -> Iterable[Any]:
+        """The names."""
+        ...
+
+    def __getitem__(self, name: Any, /) -> Any:
+        """A column."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,6 +115,39 @@ class Recording:
         object.__setattr__(self, "columns", columns)
         for name, values in columns.items():
             _check_size(self.source, name, values)
+
+    @classmethod
+    def of(cls, table: Table, source: str = "table") -> "Recording":
+        """The recording that a mapping of columns or a `pandas.DataFrame` holds.
+
+        Args:
+            table: columns by name, SI, as in a file. `t` may be the frame's index. A
+                vector may be one array of samples by components: `gyro` N x 3,
+                `attitude` N x 4, scalar last.
+            source: a name for messages.
+
+        Raises:
+            InputError: There is no `t`, an array has another number of components, or
+                `Recording` refuses the values.
+        """
+        columns = dict[str, Any]()
+        for name in table.keys():  # noqa: SIM118 (a frame iterates otherwise)
+            values = np.asarray(table[name])
+            if name not in VECTORS:
+                columns[str(name)] = values
+                continue
+            parts = vector_columns(name)
+            if values.ndim != 2 or values.shape[1] != len(parts):
+                raise InputError(
+                    f"{source}: '{name}' has shape {values.shape}; give samples by "
+                    f"{len(parts)} components, or the columns {', '.join(parts)}"
+                )
+            columns |= zip(parts, values.T, strict=True)
+        index = getattr(table, "index", None)
+        if getattr(index, "name", None) == "t":
+            columns.setdefault("t", np.asarray(index))
+        check_names(source, list(columns))
+        return cls(t=columns.pop("t"), columns=columns, source=source)
 
     def __repr__(self) -> str:
         """Where it is from, how long it is, and what was measured."""

@@ -23,7 +23,7 @@ from orbident.files.text import refuse_pipe
 from orbident.recordings.columns import check_names, is_known
 from orbident.recordings.csv_table import csv_batches, csv_lines, read_csv
 from orbident.recordings.long_recording import LARGE, LongRecording
-from orbident.recordings.recording import Recording
+from orbident.recordings.recording import Recording, Table
 
 
 def write_blocks(
@@ -188,6 +188,28 @@ SUFFIXES = (".csv", ".parquet")
 
 _BLOCK_ROWS = 65_536
 """What is written at once: a row group of Parquet."""
+
+
+RecordingLike = Recording | LongRecording | Table | str | os.PathLike[str]
+"""A recording, its columns by name, or the file that it is in."""
+
+
+def opened(given: RecordingLike) -> Recording | LongRecording:
+    """The recording that is meant.
+
+    Raises:
+        InputError: As `open_recording` and `Recording.of`, or it is no recording.
+    """
+    if isinstance(given, Recording | LongRecording):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return open_recording(given)
+    if isinstance(given, Table):
+        return Recording.of(given)
+    raise InputError(
+        f"found {type(given).__name__} in place of a recording; give a Recording, a "
+        "file's name, a DataFrame, or columns by name"
+    )
 
 
 def open_recording(path: str | os.PathLike[str]) -> Recording | LongRecording:

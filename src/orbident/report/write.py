@@ -238,13 +238,13 @@ def report_page(
         validated: how it predicted another recording, if it did.
     """
     sections = sections_of(result, signals_to_show(result), trail)
-    if validated is not None:
-        sections.insert(1, validated)
+    first, *others = sections
+    shown = [] if validated is None else [validated]
     return page(
         title=result.robot.name,
         subtitle=f"Identified by {METHODS.get(result.method, result.method)}",
         verdict=verdict_of(result),
-        sections=[*sections, *replay],
+        sections=[first, *shown, *replay, *others],
     )
 
 

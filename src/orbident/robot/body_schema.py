@@ -75,6 +75,19 @@ class MassEntry(MappingSchema):
             [[given.get("".join(sorted(a + b)), 0.0) for b in "xyz"] for a in "xyz"]
         )
 
+    def as_link(
+        self, name: str, origin: Float[np.ndarray, "3"] | None = None
+    ) -> UrdfLink:
+        """The link whose mass is given in a frame that stands at `origin` in its own.
+
+        Args:
+            name: of the link.
+            origin: m; at that of the link where absent.
+        """
+        at = np.zeros(3) if origin is None else origin
+        com = at + self.com if self.mass else np.zeros(3)
+        return UrdfLink(name, self.mass, com, self.I_com)
+
 
 class BodyEntry(MassEntry):
     """A body, and the joint that it hangs on; the base has no parent."""
@@ -148,7 +161,7 @@ def tree_of_bodies(bodies: Mapping[str, BodyEntry], name: str, place: str) -> Ur
         name: of the robot.
         place: the robot file's name, for messages.
     """
-    links = tuple(_link(body, entry, np.zeros(3)) for body, entry in bodies.items())
+    links = tuple(entry.as_link(body) for body, entry in bodies.items())
     joints = tuple(
         UrdfJoint(
             entry.joint or f"{body}_fixed",
@@ -177,7 +190,7 @@ def tree_of_table(table: DhTable, name: str, place: str) -> Urdf:
         place: the robot file's name, for messages.
     """
     parent, base = table.base.name, table.base
-    links, joints = [_link(parent, base, np.zeros(3))], []
+    links, joints = [base.as_link(parent)], []
     # Frame i - 1 in the parent's link frame.
     R, p = rotation_of(np.array(base.rpy)), np.array(base.xyz)
     for k, row in enumerate(table.rows, start=1):
@@ -186,7 +199,7 @@ def tree_of_table(table: DhTable, name: str, place: str) -> Urdf:
         else:
             R_row, to_joint, behind, axis = _standard(row)
         link = row.link or f"link{k}"
-        links.append(_link(link, row, behind))
+        links.append(row.as_link(link, behind))
         joints.append(
             UrdfJoint(
                 row.joint, row.type, parent, link, R @ R_row, p + R @ to_joint, axis
@@ -194,12 +207,6 @@ def tree_of_table(table: DhTable, name: str, place: str) -> Urdf:
         )
         parent, R, p = link, np.eye(3), behind
     return Urdf(name, tuple(links), tuple(joints), place)
-
-
-def _link(name: str, entry: MassEntry, origin: Float[np.ndarray, "3"]) -> UrdfLink:
-    """The link whose mass is given in a frame that stands at `origin` in its own."""
-    com = origin + entry.com if entry.mass else np.zeros(3)
-    return UrdfLink(name, entry.mass, com, entry.I_com)
 
 
 def _standard(row: DhRow) -> tuple[Float[np.ndarray, "..."], ...]:

@@ -2,6 +2,10 @@
 
 import json
 import math
+import re
+
+from orbident.robot.description import Joint, Robot
+from orbident.robot.parameters import inertia_matrix
 
 _HEAD = """\
 # A robot file of Orbident. It loads as it is: replace every number by your robot's,
@@ -73,6 +77,14 @@ _WHEELS = """
 wheels:
 """
 
+_TAKEN = ("\n# Joints that were taken for reaction wheels by their names.\nwheels:\n",)
+
+_NO_WHEELS = (
+    "\n# Inertia about the axis, kg m^2. Mass and inertia are counted in the base.\n",
+    "# wheels:\n",
+    "#  - {name: rw_x, axis: [1, 0, 0], inertia: 0.02}\n",
+)
+
 _LIMITS = """
 # rad and rad/s; m and m/s of a prismatic joint.
 limits:
@@ -100,6 +112,23 @@ _TAIL = """
 # (structure), motors behind gears (rotors), thrusters, calibration errors (tolerances).
 """
 
+_OF_MODEL = """\
+# A robot file of Orbident beside a model, for what the model cannot say. It loads as
+# it is: edit it, and see what you have with `orbident check`. Numbers without a unit
+# are SI. Masses and inertias of the model are nominal (CAD): a starting point, never
+# the answer.
+schema: orbident/robot/1
+name: {name}
+model: {model}
+motion: spatial                 # or planar: on a table, all turns about base z
+feature_point: [0, 0, 0]        # S, the point that is tracked, in the base's frame, m
+# The base is {base}, of {mass:.4g} kg. Where the model is of an arm alone, say what
+# carries the arm:
+# base: {{mass: 100 kg, com: [0, 0, 0], inertia: [16, 16, 16]}}
+"""
+
+_WHEEL_NAME = re.compile(r"wheel|(^|[_.-])rw(?![a-z])", re.IGNORECASE)
+
 
 def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) -> str:
     """A commented robot file of an arm of equal links, whose axes alternate.
@@ -120,6 +149,60 @@ def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) 
     parts += [_LIMIT.format(k=k) for k in range(1, joints + 1)]
     measured = "  wheels: {position: 0.1 mrad}\n" if wheels else ""
     return "".join((*parts, _SENSORS.format(wheels=measured), _TAIL))
+
+
+def robot_text_of_model(robot: Robot, model: str) -> tuple[str, tuple[str, ...]]:
+    """A commented robot file for a robot that a model file describes.
+
+    Args:
+        robot: as the model alone has it.
+        model: the model's file, from where the robot file is.
+
+    Returns:
+        The text, and the joints that are taken for wheels because of their names.
+    """
+    first = {joint.parent for joint in robot.joints}
+    wheels, joints, lines = list[str](), list[Joint](), list[str]()
+    for body, joint in enumerate(robot.joints, start=1):
+        leaf = joint.parent == 0 and body not in first and joint.kind == "revolute"
+        if not (leaf and _WHEEL_NAME.search(f"{joint.name} {robot.bodies[body]}")):
+            joints.append(joint)
+            continue
+        wheels.append(joint.name)
+        inertia = joint.axis @ inertia_matrix(robot.theta[body]) @ joint.axis
+        own = "" if inertia > 0 else ", inertia: 0.01"
+        why = "" if inertia > 0 else "   # the model has none: give yours, kg m^2"
+        lines.append(f"  - {{joint: {json.dumps(joint.name)}{own}}}{why}\n")
+    head = _OF_MODEL.format(
+        name=json.dumps(robot.name),
+        model=json.dumps(model),
+        base=robot.bodies[0],
+        mass=robot.theta[0, 0],
+    )
+    parts = [head, *(_TAKEN if wheels else _NO_WHEELS), *lines]
+    limits = [_limit_of(joint) for joint in joints]
+    if limits:
+        said = any(line.startswith("  ") for line in limits)
+        parts += [
+            _LIMITS if said else _LIMITS.replace("\nlimits", "\n# limits"),
+            *limits,
+        ]
+    measured = "  wheels: {position: 0.1 mrad}\n" if wheels else ""
+    sensors = _SENSORS.format(wheels=measured).lstrip("\n").splitlines(keepends=True)
+    parts += ["\n", *(f"# {line.removeprefix('# ')}" for line in sensors), _TAIL]
+    return "".join(parts), tuple(wheels)
+
+
+def _limit_of(joint: Joint) -> str:
+    """As the model has them; a comment where it does not say all."""
+    low, high = joint.position or (-math.inf, math.inf)
+    bounded = math.isfinite(low) and math.isfinite(high)
+    position = f"[{low:.6g}, {high:.6g}]" if bounded else "[-2.0, 2.0]"
+    velocity = "0.35" if joint.velocity is None else f"{joint.velocity:.6g}"
+    line = f"{json.dumps(joint.name)}: {{position: {position}, velocity: {velocity}}}"
+    if bounded and joint.velocity is not None:
+        return f"  {line}\n"
+    return f"#  {line}   # the model does not say all of it\n"
 
 
 def _arm(joints: int) -> str:

@@ -3,6 +3,7 @@
 Inertias may be those of no body, or contradict what is declared to be known of one.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -10,7 +11,13 @@ from jaxtyping import Float
 
 from orbident.files.names import listed
 from orbident.robot.description import Robot, Structure
-from orbident.robot.parameters import FIRST_MOMENT, MASS, SYMBOLS, inertia_matrix
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    MASS,
+    SYMBOLS,
+    inertia_about_com,
+    inertia_matrix,
+)
 from orbident.robot.sensor_schema import GyroSpec
 
 ROUNDING = 1e-9
@@ -140,6 +147,13 @@ FAR = 10.0
 """A tracked point is usually on the base: it is far where it is so many times further
 from the base's CM than the base is large, by its radius of gyration."""
 
+LARGE = 2.0
+"""Times the longest way between two joints, or to its CM: a link whose radius of
+gyration is larger has the inertia of something else."""
+
+SEVERAL = 3
+"""Bodies that have something in common which one or two may have by chance."""
+
 TILTED = 1e-6
 """How far a cosine may be from that of the plane: files print few digits."""
 
@@ -154,6 +168,7 @@ def oddities(robot: Robot) -> tuple[str, ...]:
         *robot.warnings,
         *_run(robot),
         *_massless(robot),
+        *_left_by_an_exporter(robot),
         *_out_of_plane(robot),
         *_without_limits(robot),
         *_flat(robot),
@@ -189,6 +204,50 @@ def _massless(robot: Robot) -> list[str]:
         f"no mass: {listed(names)}: what moves there has a nominal mass of zero; give "
         "its mass, CM and inertia unless it only carries another joint"
     ]
+
+
+def _left_by_an_exporter(robot: Robot) -> list[str]:
+    """Inertias and CMs of moving bodies that nobody has worked out."""
+    moving = {
+        robot.bodies[k]: (joint, robot.theta[k])
+        for k, joint in enumerate(robot.joints, start=1)
+        if robot.theta[k, MASS] > 0
+    }
+    carrying = {robot.bodies[joint.parent] for joint in robot.joints}
+    longest = max(
+        (float(np.linalg.norm(joint.p_PJ)) for joint, _ in moving.values()), default=0.0
+    )
+    odd = []
+    for name, (_, theta) in moving.items():
+        about_com = inertia_about_com(theta)
+        size = np.sqrt(np.trace(about_com) / 2 / theta[MASS])
+        com = float(np.linalg.norm(theta[FIRST_MOMENT])) / theta[MASS]
+        if size > LARGE * max(longest, com) > 0:
+            odd.append(
+                f"{name}: {theta[MASS]:.3g} kg with a radius of gyration of "
+                f"{size:.2g} m, and joints are {longest:.2g} m apart at most: is its "
+                "inertia of a heavier body?"
+            )
+    copied = defaultdict[tuple[float, ...], list[str]](list)
+    for name, (_, theta) in moving.items():
+        copied[tuple(inertia_about_com(theta).round(9).ravel())].append(name)
+    masses = {name: theta[MASS] for name, (_, theta) in moving.items()}
+    odd += [
+        f"{listed(names)} have different masses and the same inertia: was it copied?"
+        for names in copied.values()
+        if len(names) >= SEVERAL and len({masses[name] for name in names}) > 1
+    ]
+    # What turns on the base alone may be a wheel, which is balanced.
+    at_joint = [
+        name
+        for name, (joint, theta) in moving.items()
+        if not theta[FIRST_MOMENT].any() and (joint.parent or name in carrying)
+    ]
+    if len(at_joint) >= SEVERAL:
+        odd.append(
+            f"{listed(at_joint)} have their CMs at their joints: was it left out?"
+        )
+    return odd
 
 
 def _out_of_plane(robot: Robot) -> list[str]:

@@ -1,6 +1,6 @@
 """Loads and writes robots: bundled names, models of other tools and robot files."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -52,6 +52,9 @@ def assembled(
             joint that cannot be a wheel, or nothing has mass.
     """
     tree = link_tree(urdf, file.base_link)
+    if file.base is not None:
+        own = file.base.as_link(tree.base)
+        tree = replace(tree, links={**tree.links, tree.base: own})
     wheels, wheel_warnings = _wheels(file, tree, place)
     feature_point = np.array(file.feature_point)
     held = frozenset(w.joint for w in file.wheels if w.joint is not None)
@@ -204,7 +207,7 @@ def bundled_robots() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _library().glob("*.yaml")))
 
 
-def load_robot(source: str | Path) -> Robot:
+def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
     """A robot, ready for every other function.
 
     What is odd but no error (inertias that no body can have, contradictions of
@@ -212,13 +215,17 @@ def load_robot(source: str | Path) -> Robot:
 
     Args:
         source: a bundled name (see `bundled_robots`), a robot file (`.yaml`, `.yml`),
-            or a URDF, xacro, MJCF or SDF file.
+            a URDF, xacro, MJCF or SDF file, or what a robot file has, by its keys:
+            files that it names are then relative to the working directory.
 
     Raises:
         InputError: the source or a file that it needs cannot be used. One line: file,
             place, what was found, what to do.
         MissingLibraryError: the extra that this kind of file needs is not installed.
     """
+    if isinstance(source, Mapping):
+        document = {"schema": _SCHEMA, **source}
+        return _described(document, Path("robot.yaml"), "robot")
     if str(source) in bundled_robots():
         return _from_robot_file(_library() / f"{source}.yaml", place=str(source))
     path = Path(source)
@@ -299,6 +306,11 @@ def _from_model(path: Path) -> Robot:
 
 def _from_robot_file(path: Path, place: str) -> Robot:
     document = read_yaml_mapping(read_text(path), place, _SCHEMA)
+    return _described(document, path, place)
+
+
+def _described(document: dict[Any, Any], path: Path, place: str) -> Robot:
+    """The robot of a document; files that it names are relative to its path."""
     file = validated(RobotFile, document, place)
     orbit = file.orbit.in_si(path.parent) if file.orbit else None
     return assembled(file, document, *_bodies(file, path, place), place, orbit)

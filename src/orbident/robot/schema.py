@@ -22,7 +22,7 @@ from orbident.files.schema_parts import (
     finite_number,
     keys_of,
 )
-from orbident.robot.body_schema import BodyEntry, DhTable
+from orbident.robot.body_schema import BodyEntry, DhTable, MassEntry
 from orbident.robot.description import (
     AtRest,
     KnownQuantities,
@@ -123,6 +123,8 @@ class RobotFile(MappingSchema):
     bodies: dict[Name, BodyEntry] | None = None
     dh: DhTable | None = None
     base_link: Name | None = None
+    base: MassEntry | None = None
+    """Instead of what the model says of the base link."""
     motion: Literal["spatial", "planar"] = "spatial"
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
@@ -148,6 +150,10 @@ class RobotFile(MappingSchema):
             raise InputError("'model' is missing; give a URDF, xacro, MJCF or SDF file")
         if len(given) > 1:
             raise InputError(f"{' and '.join(given)} each describe a robot; keep one")
+        if self.base is not None and not self.model_file:
+            raise InputError(
+                f"'base' is for models; give the base's mass in '{given[0]}'"
+            )
         return self
 
     @model_validator(mode="after")

@@ -3,7 +3,7 @@
 import numpy as np
 from cause_problems import clean, fitted, problem_with
 
-from orbident.diagnosis.shifts import drifts, less, soft_joints, step
+from orbident.diagnosis.shifts import drifts, joint_errors, less, step
 from orbident.diagnosis.suspects import Suspect, score_of
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.recordings.recording import Recording
@@ -50,8 +50,30 @@ def test_joints_that_give_way():
         bent = soft * np.gradient(rate, t)
         recording = less(recording, f"joint.{name}", -bent[:, None])
     problem = with_recording(recording)
-    (suspect,) = soft_joints(problem)
+    *_, suspect = joint_errors(problem)
     found = numbers(problem, suspect)
     # Differences over 0.1 s, and joints that smoothing has made a little slower.
     np.testing.assert_allclose(found, soft, rtol=0.3)
     assert "gives way" in suspect.words(found)
+
+
+def test_an_encoder_that_drifts():
+    recording = clean().recording
+    elapsed = (recording.t - recording.t[0]) / (recording.t[-1] - recording.t[0])
+    wrong = less(recording, "joint.joint2", -5e-3 * elapsed[:, None])
+    problem = with_recording(wrong)
+    suspect, *_ = joint_errors(problem)
+    found = numbers(problem, suspect)
+    np.testing.assert_allclose(found, [0.0, 5e-3, 0.0], atol=5e-4)
+    assert "joint joint2: its position drifts" in suspect.words(found)
+
+
+def test_an_encoder_off_the_centre_of_its_axis():
+    recording = clean().recording
+    q = recording.columns["joint.joint2.position"]
+    wrong = less(recording, "joint.joint2", -5e-3 * np.sin(q)[:, None])
+    problem = with_recording(wrong)
+    _, suspect, _ = joint_errors(problem)
+    found = numbers(problem, suspect)
+    np.testing.assert_allclose(found[2:4], [5e-3, 0.0], atol=5e-4)
+    assert "the encoder of joint joint2 is off the centre" in suspect.words(found)

@@ -68,7 +68,6 @@
   }
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
   addEventListener("beforeprint", () => {
-    document.querySelectorAll("details").forEach((each) => { each.open = true; });
     root.classList.add("paper");
     all(330);
   });
