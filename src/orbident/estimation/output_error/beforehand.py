@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
+from orbident.estimation.output_error.joint_laws import HELD
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,
@@ -92,11 +93,11 @@ def prior_of(
             [std, prior_std(robot, sets), [each.std for each in calibrations]]
         ),
         measured=measured_rows(robot, sets),
-        carried=_carried(robot, sets, [each.name for each in calibrations]),
+        carried=carried_rows(robot, sets, [each.name for each in calibrations]),
     )
 
 
-def _carried(
+def carried_rows(
     robot: Robot, sets: MinimalSets, errors: Sequence[str]
 ) -> Float[np.ndarray, "rows columns"]:
     """What is known of what passive joints carry, and of two of one make.
@@ -117,7 +118,7 @@ def _carried(
             )
             for what in ("frequency", "damping")
         }
-        rows.append(own[name]["inertia"] / passive.inertia)
+        rows.append(own[name]["inertia"] / max(passive.inertia, HELD))
     rows += [
         (own[name][what] - own[passive.like][what]) / std
         for name, passive in robot.passive.items()

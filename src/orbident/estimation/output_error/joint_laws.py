@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.errors import InputError
 from orbident.estimation.solution import OUTSIDE, Prior, Unknowns
 from orbident.estimation.unknowns import CalibrationFit, SpringFit
 from orbident.model.springs import carried_inertia
@@ -53,6 +54,9 @@ def joint_laws(robot: Robot, unexplained: float) -> JointLaws:
         robot: with its passive joints.
         unexplained: what no spring explains moves them by so much in a period, rad or
             m.
+
+    Raises:
+        InputError: one carries nothing.
     """
     names = [name for name in robot.joint_names if name in robot.passive]
     laws = np.zeros((len(names), 4 + robot.theta.size))
@@ -62,6 +66,11 @@ def joint_laws(robot: Robot, unexplained: float) -> JointLaws:
         walk = unexplained * np.sqrt(passive.frequency)
         law[:4] = rate**2, 2 * passive.damping * rate, walk, rate * walk
         law[4:] = carried_inertia(robot, robot.joint_names.index(name))
+        if not law[4:] @ robot.theta.ravel() > 0:
+            raise InputError(
+                f"{robot.name}: passive joint '{name}' carries no inertia about its "
+                "axis; give the bodies behind it masses"
+            )
     passive = [float(robot.joint_names.index(name)) for name in names]
     return JointLaws(np.array(passive), laws)
 
