@@ -9,7 +9,7 @@
 //   position        shown (1 + p) times the position
 //   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
 //                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
-//   springs         those of passive_joints.hpp: logarithms of their rate and their damping
+//   springs         those of passive_rates.hpp: logarithms of their rate and their damping
 //
 // m turns the base's axes into the instrument's: a vector along the axis, of length
 // 2 sin(angle / 2), as r is.

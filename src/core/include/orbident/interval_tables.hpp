@@ -91,7 +91,7 @@ struct LinearisedAt {
   Calibration calibration;
 };
 
-// Passive joints at a node; passive_joints.hpp.
+// Passive joints at a node; passive_rates.hpp.
 struct PassiveNode {
   double *q, *qd, *qdd, *p, *p_rate;  // passive joints each
   double *UH, *A;

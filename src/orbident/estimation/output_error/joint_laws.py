@@ -1,6 +1,6 @@
 """Joints on springs that nobody measures, as the core follows them (Eq. 11).
 
-Their equations stand in `passive_joints.hpp`.
+Their equations stand in `passive_rates.hpp`.
 """
 
 from collections.abc import Mapping
