@@ -13,6 +13,7 @@ from orbident.errors import InputError
 from orbident.estimation.solution import OUTSIDE, Prior, Unknowns
 from orbident.estimation.unknowns import CalibrationFit, SpringFit
 from orbident.model.springs import carried_inertia
+from orbident.preprocessing.wrenches import Wrenches
 from orbident.robot.description import Robot
 
 IDEAL = 1e-7
@@ -47,18 +48,26 @@ class JointLaws(NamedTuple):
     position and rate walk in a second, and the inertia by `theta`; SI."""
 
 
-def joint_laws(robot: Robot, unexplained: float) -> JointLaws:
+def joint_laws(robot: Robot, wrenches: Wrenches, unexplained: float) -> JointLaws:
     """The laws of a robot's passive joints.
 
     Args:
         robot: with its passive joints.
+        wrenches: what was recorded to act.
         unexplained: what no spring explains moves them by so much in a period, rad or
             m.
 
     Raises:
-        InputError: one carries nothing.
+        InputError: one carries nothing, or a force acts: what swings lags behind a base
+            that is pushed, which is not in its equations.
     """
     names = [name for name in robot.joint_names if name in robot.passive]
+    if names and any(each.force.any() for each in wrenches):
+        raise InputError(
+            f"{robot.name}: joint '{names[0]}' is passive, and thrust shakes it, which "
+            "is not in its equations; use a part of the recording without thrust "
+            "(--start, --end)"
+        )
     laws = np.zeros((len(names), 4 + robot.theta.size))
     for law, name in zip(laws, names, strict=True):
         passive = robot.passive[name]

@@ -235,7 +235,7 @@ def problem_of(
         qdd_rw=history.qdd_rw,
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         **loose._asdict(),
-        **joint_laws(robot, unexplained)._asdict(),
+        **joint_laws(robot, samples.wrenches, unexplained)._asdict(),
     )
     followed = Followed(without_walks(robot, walks), sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)

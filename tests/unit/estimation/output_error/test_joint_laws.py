@@ -12,6 +12,7 @@ from orbident.estimation.output_error.joint_laws import joint_laws
 from orbident.estimation.solution import OUTSIDE
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.springs import carried_inertia
+from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.description import Passive, Robot
 
 PASSIVE = {
@@ -56,7 +57,7 @@ def test_what_is_exact_has_some_width(robot):
 
 
 def test_laws(robot):
-    laws = joint_laws(robot, 1e-3)
+    laws = joint_laws(robot, (), 1e-3)
     np.testing.assert_array_equal(laws.passive, [1.0, 2.0])
     rate = 2 * np.pi * 0.5
     np.testing.assert_allclose(laws.laws[0, :2], [rate**2, 2 * 0.01 * rate])
@@ -67,4 +68,13 @@ def test_one_that_carries_nothing_is_refused(robot):
     theta = robot.theta.copy()
     theta[3] = 0.0
     with pytest.raises(InputError, match="passive joint 'joint3' carries no inertia"):
-        joint_laws(replace(robot, theta=theta), 1e-3)
+        joint_laws(replace(robot, theta=theta), (), 1e-3)
+
+
+def test_thrust_is_refused(robot):
+    none = np.zeros((4, 3))
+    torque = RecordedWrench("torquer", 0.0, none, none + 1.0, none)
+    assert joint_laws(robot, (torque,), 1e-3)
+    thrust = torque._replace(force=none + 1.0)
+    with pytest.raises(InputError, match="joint 'joint2' is passive, and thrust"):
+        joint_laws(robot, (torque, thrust), 1e-3)
