@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 306,
-    "lines": 58_996,
+    "lines": 59_015,
     "files of estimation": 48,
-    "lines of estimation": 10_848,
+    "lines of estimation": 10_867,
     "files with one user": 66,
     "imports below each other": 30,
     "numbers without a reason": 39,
