@@ -36,6 +36,11 @@ def commanded(t: float) -> np.ndarray:
     return np.r_[begun * shoulder, begun * elbow, SPIN * (1 + 0.3 * np.sin(0.15 * t))]
 
 
+def control(_: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Between steps too: what is held for a step is late by a twelfth of it."""
+    data.ctrl[:] = commanded(data.time)
+
+
 def flown(robot: Robot, model_file: Path) -> tuple[np.ndarray, Truth]:
     """Times of the rows, s, and what perfect sensors would show there."""
     model = mujoco.MjModel.from_xml_path(str(model_file))
@@ -44,6 +49,7 @@ def flown(robot: Robot, model_file: Path) -> tuple[np.ndarray, Truth]:
     at = [model.joint(name).qposadr[0] for name in names]
     data.qvel[[model.joint(name).dofadr[0] for name in robot.wheel_names]] = SPIN
     rows = []
+    mujoco.set_mjcb_control(control)
     for k in range(round(DURATION / model.opt.timestep) + 1):
         if k % EVERY == 0:
             mujoco.mj_forward(model, data)
@@ -51,8 +57,8 @@ def flown(robot: Robot, model_file: Path) -> tuple[np.ndarray, Truth]:
             rows.append(
                 (data.time, *data.qpos[:7], *data.qvel[:6], *data.qpos[at], *rates)
             )
-        data.ctrl[:] = commanded(data.time)
         mujoco.mj_step(model, data)
+    mujoco.set_mjcb_control(None)
     t, r, x, v, w, q, q_rw, qd, qd_rw = np.split(
         np.array(rows),
         np.cumsum([1, 3, 4, 3, 3, len(robot.joints), 3, len(robot.joints)]),
