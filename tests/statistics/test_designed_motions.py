@@ -20,7 +20,7 @@ from orbident.choices import InitialMomentum
 from orbident.environment.torques_and_forces import slow_shapes
 from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
 from orbident.estimation.identify import identify
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.excitation.design import design_excitation
 from orbident.excitation.guarantee import floated
 from orbident.robot.description import Robot
@@ -111,7 +111,7 @@ def test_what_a_designed_motion_promises_is_realised(name, capsys):
     )
     errors, std = np.split(made.runs[:, :-1], 2, axis=1)
     rms, deviation = (np.sqrt(np.mean(np.square(x), axis=0)) for x in (errors, std))
-    known = cramer_rao(robot, motion, momentum_of(robot))
+    known = bound_of(robot, motion, momentum_of(robot)).parameters
     promised = np.sqrt(np.diag(known.pi.covariance))
     of_pi = float(np.sqrt(np.mean(np.square(errors / std))))
     of_all = float(np.sqrt(made.runs[:, -1].mean() / len(known.base.covariance)))

@@ -81,6 +81,7 @@ def study(
 ) -> None:
     """Repeat a study of the paper beside the paper's own numbers."""
     from orbident.campaigns.executors import local
+    from orbident.campaigns.seeds import SeedRuns
     from orbident.cli.output import Output, progress
     from orbident.threads import at_hand
 
@@ -97,7 +98,7 @@ def study(
     run = _runner(name, method)
     executors = local(min(workers or at_hand(), seeds))
     with progress(f"study {name}") as show:
-        done = run(noise, seeds, seed, progress=show, executors=executors)
+        done = run(noise, SeedRuns(seeds, seed, show, executors))
     if out is not None:
         used_seed = seed if noisy else None
         output.warn(_keep(done, name, out, force, used_seed))
@@ -122,7 +123,7 @@ def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
     if name == "table":
         from orbident.studies.run_table import run_table
 
-        return lambda _, *given, **options: run_table(*given, **options)
+        return lambda _, runs: run_table(runs)
     if name == "control":
         from orbident.studies.control import run_control
 

@@ -20,6 +20,13 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY, cross_matrix
 from orbident.threads import processors
 
+JointState = tuple[
+    Float[np.ndarray, "n joints"],
+    Float[np.ndarray, "n joints"],
+    Float[np.ndarray, "n joints"],
+]
+"""Positions, rates and accelerations of joints at some times, rad or m, and s."""
+
 
 class Poses(NamedTuple):
     """Where every body is, and the motion that a unit rate of each joint causes.

@@ -26,7 +26,11 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
 from orbident.model.dependencies import Columns, dependencies, independent_columns
-from orbident.model.kinematics import MomentumRegressors, momentum_regressors
+from orbident.model.kinematics import (
+    JointState,
+    MomentumRegressors,
+    momentum_regressors,
+)
 from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
@@ -78,11 +82,7 @@ class Regressors(NamedTuple):
 
     def momentum_rate(
         self,
-        joints: tuple[
-            Float[np.ndarray, "n joints"],
-            Float[np.ndarray, "n joints"],
-            Float[np.ndarray, "n joints"],
-        ],
+        joints: JointState,
         w: Float[np.ndarray, "n 3"],
         pi: Float[np.ndarray, " pi"],
     ) -> Float[np.ndarray, "n h"]:

@@ -24,7 +24,7 @@ from orbident.campaigns.statistics import (
 from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.files.text import write_text
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -145,7 +145,7 @@ def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
 def _bounds(campaign: Campaign, robot: str) -> Bounds:
     subject = next(s for s in campaign.subjects if s.robot.name == robot)
     try:
-        found = cramer_rao(subject.robot, subject.trajectory)
+        found = bound_of(subject.robot, subject.trajectory).parameters
     except InputError:
         return {}
     sets = minimal_sets(subject.robot)

@@ -17,7 +17,7 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
-from orbident.model.kinematics import inertia_at
+from orbident.model.kinematics import JointState, inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.robot.description import Robot
 from orbident.threads import processors
@@ -129,12 +129,6 @@ def float_attitude(
 
 OUT_OF_PLANE = 1e-9
 """m/s, rad/s, or of a quaternion: so much is not rounding."""
-
-JointState = tuple[
-    Float[np.ndarray, "n joints"],
-    Float[np.ndarray, "n joints"],
-    Float[np.ndarray, "n joints"],
-]
 
 
 @runtime_checkable
