@@ -1,6 +1,5 @@
 """`orbident check ROBOT`."""
 
-from math import isfinite
 from typing import Annotated, Any
 
 import typer
@@ -53,12 +52,10 @@ def _irregular(robot: Any) -> tuple[str, ...]:
     return ()
 
 
-def _finite(limit: float) -> float | None:
-    return limit if isfinite(limit) else None
-
-
 def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
     """Frames as the model has them: the base's at S, any other body's at its joint."""
+    from orbident.files.json_parts import nulled
+
     bodies = [{"name": robot.bodies[0], "theta": robot.theta[0].tolist()}]
     for joint, name, theta in zip(
         robot.joints, robot.bodies[1:], robot.theta[1:], strict=True
@@ -72,7 +69,7 @@ def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
                 "axis": joint.axis.tolist(),
                 "rotation": joint.R_PJ.tolist(),
                 "place": joint.p_PJ.tolist(),
-                "position": joint.position and list(map(_finite, joint.position)),
+                "position": joint.position and list(map(nulled, joint.position)),
                 "velocity": joint.velocity,
                 "theta": theta.tolist(),
             }

@@ -5,17 +5,12 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
+from orbident.cli.options import Force, Json, LogFile, NewRecording, Preset, Quiet
 
 
 def convert(
     file: LogFile,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "-o", metavar="REC", help="The recording to write, .csv or .parquet."
-        ),
-    ],
+    out: NewRecording,
     topic_map: Annotated[
         Path | None,
         typer.Option(

@@ -9,14 +9,7 @@ from typing import Any
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
-from orbident.report.parameter_section import mass_rows, routes_left_out
-
-TITLES = {
-    "base": "base parameters: what free floating can identify",
-    "links": "links: base parameters without the motors' rotors that are declared",
-    "phi": "phi: what the velocity of S shows",
-    "pi": "pi: what the angular momentum shows",
-}
+from orbident.report.parameter_section import TITLES, mass_rows, routes_left_out
 
 NOTES = 2
 """Notes that are printed with a refusal: it has eight lines at most."""
@@ -74,7 +67,7 @@ def _everything(result: Any) -> list[str]:
             continue
         rows = parameter_rows(found, range(len(found.names)))
         whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
-        lines += ["", title, HEAD, *whole]
+        lines += ["", title[0].lower() + title[1:], HEAD, *whole]
     if geared_joints(result.robot):
         lines += ["", IN_FORMULAS]
     lines += _masses(result)

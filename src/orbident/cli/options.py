@@ -51,6 +51,11 @@ Workers = Annotated[
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
 ]
+NewRecording = Annotated[
+    Path,
+    typer.Option("-o", metavar="REC", help="The recording to write, .csv or .parquet."),
+]
+
 LogFile = Annotated[
     Path,
     typer.Argument(

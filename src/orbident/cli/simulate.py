@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from orbident.choices import SensorNoise
-from orbident.cli.options import Force, Json, Quiet, RobotName
+from orbident.cli.options import Force, Json, NewRecording, Quiet, RobotName
 
 
 def simulate(
@@ -18,12 +18,7 @@ def simulate(
             help="A trajectory file (YAML); its 'environment' acts on the robot.",
         ),
     ],
-    out: Annotated[
-        Path,
-        typer.Option(
-            "-o", metavar="REC", help="The recording to write, .csv or .parquet."
-        ),
-    ],
+    out: NewRecording,
     rate: Annotated[
         float | None,
         typer.Option(help="Samples per second, Hz (default: that of the robot file)."),

@@ -323,13 +323,7 @@ def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
     Raises:
         InputError: the base turns too fast for an accurate attitude.
     """
-    initial = trajectory.initial
-    start = BaseState(
-        initial.angular_velocity,
-        initial.attitude,
-        initial.velocity,
-        initial.wheel_speeds(robot.wheel_names),
-    )
+    start = BaseState.of(trajectory.initial, robot)
     t = np.linspace(0.0, trajectory.duration, NODES)
     return free_floating(robot, trajectory.motion, t, start, ACCURATE)
 

@@ -21,7 +21,12 @@ from orbident.files.names import quoted
 from orbident.files.replacing import replacing
 from orbident.files.text import refuse_pipe
 from orbident.recordings.columns import check_names, is_known
-from orbident.recordings.csv_table import csv_batches, csv_lines, read_csv
+from orbident.recordings.csv_table import (
+    csv_batches,
+    csv_lines,
+    joined_batches,
+    read_csv,
+)
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
 
@@ -93,15 +98,10 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             column that is not numeric.
     """
     with _opened(path) as file:
-        names, start = file.schema_arrow.names, 0
-        columns = {name: np.empty(file.metadata.num_rows) for name in names}
-        for batch in _row_groups(file, names):
-            rows = slice(start, start + batch["t"].size)
-            for name, values in batch.items():
-                columns[name][rows] = values
-            start = rows.stop
-        if start != file.metadata.num_rows:
-            raise pa.ArrowInvalid(f"{start} of {file.metadata.num_rows} rows found")
+        names, rows = file.schema_arrow.names, file.metadata.num_rows
+        columns = joined_batches(names, rows, _row_groups(file, names))
+        if (found := columns["t"].size) != rows:
+            raise pa.ArrowInvalid(f"{found} of {rows} rows found")
     return columns
 
 

@@ -48,12 +48,9 @@ class Panel(NamedTuple):
 
 def label(text: str) -> str:
     """A name as plotly shows it: no markup, not too long."""
-    return html.escape(shortened(" ".join(text.split())), quote=False)
-
-
-def shortened(text: str) -> str:
-    """The beginning of what is long."""
-    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    text = " ".join(text.split())
+    shown = text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    return html.escape(shown, quote=False)
 
 
 def numbers(x: np.ndarray, kind: str = "<f8") -> dict[str, str]:
@@ -129,24 +126,14 @@ def stacked(panels: Sequence[Panel], x_title: str, **x: Any) -> Figure:
 def decades(*values: np.ndarray) -> dict[str, Any]:
     """A logarithmic axis whose ends are powers of ten."""
     positive = [x[x > 0] for x in values]
-    low, high = (
-        round_(np.log10([end(x) for x in positive if x.size] or [1.0]))
-        for end, round_ in ((np.min, _floor), (np.max, _ceil))
-    )
+    ends = np.log10([(x.min(), x.max()) for x in positive if x.size] or [(1.0, 1.0)])
+    low, high = int(np.floor(ends.min())), int(np.ceil(ends.max()))
     return {
         "type": "log",
         "range": [low, max(high, low + 1)],
         "dtick": max(1, -(-(high - low) // 4)),
         "exponentformat": "power",
     }
-
-
-def _floor(x: np.ndarray) -> int:
-    return int(np.floor(x.min()))
-
-
-def _ceil(x: np.ndarray) -> int:
-    return int(np.ceil(x.max()))
 
 
 def _heading(text: str, top: float) -> Figure:

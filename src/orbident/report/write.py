@@ -15,7 +15,6 @@ from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.preprocessing.origins import SMOOTHED, WORDS
-from orbident.report.budget_section import variance_shares
 from orbident.report.conditioning import conditioning, excitation, identifiability
 from orbident.report.convergence_section import (
     Trail,
@@ -25,7 +24,12 @@ from orbident.report.convergence_section import (
 )
 from orbident.report.fit import fits
 from orbident.report.page import NONE, Section, page, short, verdict_of
-from orbident.report.parameter_section import masses, parameters, sensitivities
+from orbident.report.parameter_section import (
+    masses,
+    parameters,
+    sensitivities,
+    variance_shares,
+)
 from orbident.report.replay_figure import replay_sections
 
 

@@ -21,6 +21,7 @@ from orbident.model.kinematics import JointState, inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.robot.description import Robot
 from orbident.threads import processors
+from orbident.trajectories.trajectory import InitialState
 
 MOST_SUBSTEPS = 256
 """Between two samples; a base that needs more turns too fast for them."""
@@ -151,6 +152,12 @@ class BaseState(NamedTuple):
     """Velocity of S, inertial axes, m/s."""
     wheel_speed: Float[np.ndarray, " wheels"]
     """Relative to the base, rad/s."""
+
+    @classmethod
+    def of(cls, initial: InitialState, robot: Robot) -> "BaseState":
+        """As a trajectory of a robot begins."""
+        speeds = initial.wheel_speeds(robot.wheel_names)
+        return cls(initial.angular_velocity, initial.attitude, initial.velocity, speeds)
 
 
 class FreeFloating(NamedTuple):

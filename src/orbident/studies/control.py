@@ -220,12 +220,8 @@ def tracked(robot: Robot, model: Robot) -> Tracked:
     task = Trajectory(DURATION, robot.joint_names, none, none, rest, there)
     slew = Slew(initial.attitude, np.ones(3) / np.sqrt(3), SLEW, DURATION)
     law = ComputedTorque(model, slew, KP, KD)
-    start = BaseState(
-        angular_velocity=np.zeros(3),
-        attitude=initial.attitude,
-        velocity=np.zeros(3),
-        wheel_speed=initial.wheel_speeds(robot.wheel_names),
-    )
+    still = {"angular_velocity": np.zeros(3), "velocity": np.zeros(3)}
+    start = BaseState.of(initial, robot)._replace(**still)
     flight = free_flying(
         robot,
         sample_times(DURATION, RATE),
