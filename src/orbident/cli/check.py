@@ -4,28 +4,26 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RobotName
+import orbident as oi
+from orbident.cli.options import RobotName
+from orbident.cli.output import Output
 
 
 def check(
+    output: Output,
     robot: RobotName,
     view: Annotated[
         bool,
         typer.Option("--view", help="Then show it in the browser, as 'view' does."),
     ] = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Show a robot's tree, masses and sensors, and what looks wrong."""
-    from orbident.cli.output import Output
     from orbident.cli.robot_tree import robot_tree, sensor_lines
     from orbident.cli.view import view as show
     from orbident.environment.worlds import may_act_in_words
     from orbident.robot.oddities import oddities
-    from orbident.robot.robot_file import load_robot
 
-    output = Output(json, quiet)
-    described = load_robot(robot)
+    described = oi.load_robot(robot)
     odd = (*oddities(described), *_irregular(described))
     sensors = list(sensor_lines(described))
     output.say(repr(described), robot_tree(described))
@@ -37,17 +35,16 @@ def check(
     )
     output.write_json(_document(described, odd))
     if view:
-        show(robot, quiet=quiet)
+        show(Output(None, output.quiet), robot)
 
 
 def _irregular(robot: Any) -> tuple[str, ...]:
     """Why other verbs refuse the robot."""
-    from orbident.errors import InputError
     from orbident.model.regularity import check_regular
 
     try:
         check_regular(robot)
-    except InputError as error:
+    except oi.InputError as error:
         return (str(error),)
     return ()
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.output import Output
 
 if TYPE_CHECKING:
     from orbident.studies.spatial import SelfTest
@@ -15,13 +15,10 @@ _UNLISTED = ("all", "docs", "test")
 """Extras that are the others together, or that only developers need."""
 
 
-def doctor(json: Json = None, quiet: Quiet = False) -> None:
+def doctor(output: Output) -> None:
     """Check this installation: versions, extras and a self-test."""
     import platform
 
-    from orbident.cli.output import Output
-
-    output = Output(json, quiet)
     libraries = _libraries()
     tested, problems = _tested()
     problems += [

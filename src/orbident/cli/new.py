@@ -5,10 +5,13 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Force, Json, Quiet
+import orbident as oi
+from orbident.cli.options import Force
+from orbident.cli.output import Output
 
 
 def new(
+    output: Output,
     robot: Annotated[
         Path,
         typer.Argument(metavar="FILE", help="The robot file to write (.yaml)."),
@@ -24,19 +27,14 @@ def new(
         typer.Option("--dh", help="Describe the arm by a Denavit-Hartenberg table."),
     ] = False,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Write a robot file to edit, for a robot without a URDF."""
-    from orbident.cli.output import Output
-    from orbident.errors import InputError
     from orbident.files.replacing import check_free
     from orbident.files.text import name_of, write_text
     from orbident.robot.new_robot_file import new_robot_text
 
-    output = Output(json, quiet)
     if robot.suffix.lower() not in {".yaml", ".yml"}:
-        raise InputError(f"{robot}: give a name that ends in .yaml")
+        raise oi.InputError(f"{robot}: give a name that ends in .yaml")
     check_free(robot, force)
     name = name_of(robot.with_suffix(""))
     write_text(robot, new_robot_text(name, joints, wheels, table=dh))
