@@ -72,11 +72,11 @@ def over_seeds(
         if not each.seeds:
             raise InputError("seeds: found 0; give one or more")
     rows = [dict(zip(e.seeds, map(e.row_of, e.made), strict=False)) for e in series]
-    tasks = [
-        (k, part)
-        for k, each in enumerate(series)
-        for part in _parts(each.seeds[len(each.made) :])
-    ]
+    tasks = []
+    for k, each in enumerate(series):
+        left = each.seeds[len(each.made) :]
+        size = min(MOST, -(-len(left) // MOST)) or 1
+        tasks += [(k, left[at : at + size]) for at in range(0, len(left), size)]
     runs = tuple((each.run, each.row_of) for each in series)
     made, count = 0, sum(len(part) for _, part in tasks)
     with closing(computed(executors, partial(_rows, runs), tasks)) as done:
@@ -88,11 +88,6 @@ def over_seeds(
         Errors(np.array([found[seed] for seed in each.seeds]))
         for each, found in zip(series, rows, strict=True)
     ]
-
-
-def _parts(seeds: range) -> list[range]:
-    size = min(MOST, -(-len(seeds) // MOST)) or 1
-    return [seeds[k : k + size] for k in range(0, len(seeds), size)]
 
 
 @one_thread

@@ -32,7 +32,13 @@ def doctor(output: Output) -> None:
         f"orbident {version('orbident')}, Python {platform.python_version()}, {system}",
         "libraries: " + _versions(libraries[""]),
         "compiler: not needed; the core is compiled already",
-        *(_extra(name, found) for name, found in sorted(libraries.items()) if name),
+        *(
+            f'extra {name}: not installed: pip install "orbident[{name}]"'
+            if None in found.values()
+            else f"extra {name}: {_versions(found)}"
+            for name, found in sorted(libraries.items())
+            if name
+        ),
     )
     if tested:
         output.say(f"self-test: {_said(tested)}")
@@ -100,9 +106,3 @@ def _installed(name: str) -> str | None:
 
 def _versions(found: dict[str, str | None]) -> str:
     return ", ".join(f"{name} {each or 'missing'}" for name, each in found.items())
-
-
-def _extra(name: str, found: dict[str, str | None]) -> str:
-    if None in found.values():
-        return f'extra {name}: not installed: pip install "orbident[{name}]"'
-    return f"extra {name}: {_versions(found)}"

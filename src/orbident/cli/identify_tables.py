@@ -14,6 +14,12 @@ from orbident.report.parameter_section import TITLES, mass_rows, routes_left_out
 NOTES = 2
 """Notes that are printed with a refusal: it has eight lines at most."""
 
+NOTHING_ACTS = (
+    "if nothing acted from outside, std would be {:.2g} times smaller (see "
+    "'disturbances')"
+)
+"""What it would bring to know that nothing acts."""
+
 COLUMNS = 80
 """The width of a terminal, as it opens nearly everywhere."""
 
@@ -37,7 +43,7 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         "",
         *_goodness(result),
         *_limits(result.budget()),
-        *_if_nothing_acts(result),
+        *([NOTHING_ACTS.format(result.widened_by)] if result.allowed else []),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -142,16 +148,6 @@ def _disturbances(result: Any) -> list[str]:
         for name, size in result.allowed.items()
     ]
     return ["", "from outside, SI", *lines] if lines else []
-
-
-def _if_nothing_acts(result: Any) -> list[str]:
-    """What it would bring to know that nothing acts."""
-    if not result.allowed:
-        return []
-    return [
-        f"if nothing acted from outside, std would be {result.widened_by:.2g} times "
-        "smaller (see 'disturbances')"
-    ]
 
 
 def _sensitivity(result: Any) -> list[str]:

@@ -66,7 +66,8 @@ def parameters_as_latex(result: Result) -> str:
         lines.append(r"\hline")
         for parameter, numbers, unit, _ in _parameters(getattr(result, name)):
             cells = [_rounded(x, numbers[1]) for x in numbers]
-            row = [_symbol(parameter), *cells, _unit(unit)]
+            unit = unit.replace(" ", r"\,").replace("^2", "$^2$")
+            row = [_symbol(parameter), *cells, unit]
             lines.append(" & ".join(row) + r" \\")
     return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
 
@@ -94,10 +95,6 @@ def _symbol(parameter: str) -> str:
     r"""`sigma_1` as `\sigma_{1}`; the mass `M` has no number."""
     letter, _, number = parameter.partition("_")
     return rf"$\{letter}_{{{number}}}$" if number else f"${letter}$"
-
-
-def _unit(unit: str) -> str:
-    return unit.replace(" ", r"\,").replace("^2", "$^2$")
 
 
 SCHEMA = "orbident/matrices/1"

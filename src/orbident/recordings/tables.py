@@ -204,7 +204,8 @@ def open_recording(path: str | os.PathLike[str]) -> Recording | LongRecording:
 
     def batches() -> Iterator[dict[str, np.ndarray]]:
         with _readable(path):
-            yield from _batches(path, is_known)
+            read = csv_batches if _is_csv(path) else parquet_batches
+            yield from read(path, is_known)
 
     return LongRecording(str(path), rows, batches, lambda: read_recording(path))
 
@@ -247,12 +248,6 @@ def _readable(path: Path) -> Iterator[None]:
 
 def _is_csv(path: Path) -> bool:
     return path.suffix.lower() == ".csv"
-
-
-def _batches(
-    path: Path, wanted: Callable[[str], bool]
-) -> Iterator[dict[str, np.ndarray]]:
-    return csv_batches(path, wanted) if _is_csv(path) else parquet_batches(path, wanted)
 
 
 def _rows_at_most(path: Path) -> int:

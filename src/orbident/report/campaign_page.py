@@ -162,14 +162,11 @@ def _check(group: MethodStatistics) -> Check:
         return Check(name, "do not trust", f"{name}: no result was accepted")
     # So that all of them together are outside by chance once in twenty.
     confidence = 1 - 0.05 / len(known)
-    off = [p.name for p in known if not _within(p.coverage(confidence))]
+    ends = {p.name: p.coverage(confidence) for p in known}
+    off = [name for name, (low, high) in ends.items() if not low <= 0.95 <= high]
     level: Level = "with care" if off else "trust"
     said = f"not that of {', '.join(off)}" if off else "as 95 % intervals say"
     return Check(name, level, f"{name}: {said}")
-
-
-def _within(interval: tuple[float, float]) -> bool:
-    return interval[0] <= 0.95 <= interval[1]
 
 
 def _title(group: MethodStatistics) -> str:

@@ -76,14 +76,6 @@ def points(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
     return _scatter("markers", x, y, {"marker": {"color": color, "size": 4}}, more)
 
 
-def _intervals(x: np.ndarray, half: np.ndarray) -> Trace:
-    style = {
-        "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
-        "marker": {"color": PREDICTED, "size": 7},
-    }
-    return _scatter("markers", x, list(range(len(x))), style, {})
-
-
 def _scatter(
     mode: str,
     x: np.ndarray,
@@ -185,8 +177,13 @@ def interval_list(
     upright = line(np.full(2, zero), np.array([-0.5, len(names) - 0.5]), LIMIT)
     reach = float(np.max(np.abs(x - zero) + half, initial=0.0))
     ends = {"range": [zero - least, zero + least]} if reach < least else {}
+    style = {
+        "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
+        "marker": {"color": PREDICTED, "size": 7},
+    }
+    intervals = _scatter("markers", x, list(range(len(x))), style, {})
     layout = _list_of(names, x_title, **ends)
-    return {"data": [upright, _intervals(x, half)], "layout": layout}
+    return {"data": [upright, intervals], "layout": layout}
 
 
 def _list_of(names: Sequence[str], x_title: str, **x: Any) -> Figure:

@@ -167,7 +167,7 @@ def validation(scores: dict) -> Section:
         (
             f"{name}, {SIGNAL_UNITS[name]}",
             Numeric(scores["rms"].get(name)),
-            Numeric(_percent(scores["nrmse"].get(name))),
+            Numeric(None if (x := scores["nrmse"].get(name)) is None else 100 * x),
             Numeric(scores["predicted_std"].get(name)),
             Numeric(scores["noise"].get(name)),
         )
@@ -193,10 +193,6 @@ def validation(scores: dict) -> Section:
         words=tuple(words),
         tables=(table_of("Errors, and what is expected of them", head, rows),),
     )
-
-
-def _percent(value: float | None) -> float | None:
-    return None if value is None else 100 * value
 
 
 METHODS = {

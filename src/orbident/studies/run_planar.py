@@ -249,15 +249,11 @@ def _method(
             strict=True,
         )
     )
-    first = reading.scores
-    rms_nrmse, worst_nrmse = (_by_name(part) for part in columns.over(scores))
-    return MethodResult(
-        rows, reading.result, PredictionScores(first, rms_nrmse, worst_nrmse)
-    )
-
-
-def _by_name(scores: Float[np.ndarray, " scores"]) -> dict[str, float]:
-    return {name: float(score) for name, score in zip(SCORED, scores, strict=True)}
+    over = [
+        {str(name): float(x) for name, x in zip(SCORED, part, strict=True)}
+        for part in columns.over(scores)
+    ]
+    return MethodResult(rows, reading.result, PredictionScores(reading.scores, *over))
 
 
 def _weighed(first: PlanarRun, table: PaperParameters, columns: _Columns) -> Weighed:

@@ -287,15 +287,13 @@ def run_spatial(
         recording=recording,
         result=result,
         seeds=runs.seeds if errors is not None else 1,
-        rejected=_rejected(result, errors),
+        rejected=int(
+            result.status == "rejected"
+            if errors is None
+            else np.isnan(errors.runs).any(axis=1).sum()
+        ),
         elapsed_s=time.perf_counter() - started,
     )
-
-
-def _rejected(result: Result, errors: Errors | None) -> int:
-    if errors is None:
-        return int(result.status == "rejected")
-    return int(np.isnan(errors.runs).any(axis=1).sum())
 
 
 def _bounds(

@@ -117,13 +117,9 @@ class ConversionReport:
             "samples": self.samples,
             "start_ns": self.start_ns,
             "duration": self.duration,
-            "topics": [_plain(topic) for topic in self.topics],
+            "topics": [{**vars(x), "columns": list(x.columns)} for x in self.topics],
             "warnings": list(self.warnings),
         }
-
-
-def _plain(topic: TopicReport) -> dict[str, Any]:
-    return {**vars(topic), "columns": list(topic.columns)}
 
 
 def topic_report(
