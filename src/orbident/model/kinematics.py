@@ -148,16 +148,3 @@ def inertia(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Inertia:
 def inertia_at(robot: Robot, q: Float[np.ndarray, " joints"]) -> Inertia:
     """The same at one configuration; no leading axis."""
     return Inertia(*(part[0] for part in inertia(robot, q[None])))
-
-
-class Masses(NamedTuple):
-    """Mass, first moment and inertia of some bodies about S, base axes."""
-
-    m: Float[np.ndarray, "n bodies"]
-    s: Float[np.ndarray, "n bodies 3"]
-    J: Float[np.ndarray, "n bodies 3 3"]
-
-
-def carried_about_S(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Masses:
-    """The composite of each body: itself and all bodies that it carries."""
-    return Masses(*_core.masses(core_robot(robot), np.ascontiguousarray(q), True))

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.files.names import listed
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Joint, Robot, Structure
 from orbident.robot.parameters import FIRST_MOMENT, MASS, SYMBOLS, inertia_matrix
 from orbident.robot.sensor_schema import GyroSpec
 
@@ -194,13 +194,11 @@ def _massless(robot: Robot) -> list[str]:
 def _out_of_plane(robot: Robot) -> list[str]:
     if robot.motion != "planar":
         return []
-    R = [np.eye(3)]
-    names = []
-    for joint in robot.joints:
-        R.append(R[joint.parent] @ joint.R_PJ)
-        along_z = abs(R[-1] @ joint.axis)[2]
-        off = 1.0 - along_z if joint.kind == "revolute" else along_z
-        names += [joint.name] if off > TILTED else []
+    names = [
+        joint.name
+        for joint, along_z in _joints_along_z(robot)
+        if (1.0 - along_z if joint.kind == "revolute" else along_z) > TILTED
+    ]
     names += [wheel.name for wheel in robot.wheels if 1.0 - abs(wheel.axis[2]) > TILTED]
     if not names:
         return []
@@ -210,13 +208,19 @@ def _out_of_plane(robot: Robot) -> list[str]:
     ]
 
 
-def _flat(robot: Robot) -> list[str]:
-    if robot.motion == "planar" or len(robot.joints) < 2:
-        return []
+def _joints_along_z(robot: Robot) -> Iterator[tuple[Joint, float]]:
+    """Each joint with the cosine between its axis and base z, of either sign."""
     R = [np.eye(3)]
     for joint in robot.joints:
         R.append(R[joint.parent] @ joint.R_PJ)
-        if joint.kind != "revolute" or 1.0 - abs(R[-1] @ joint.axis)[2] > TILTED:
+        yield joint, abs(R[-1] @ joint.axis)[2]
+
+
+def _flat(robot: Robot) -> list[str]:
+    if robot.motion == "planar" or len(robot.joints) < 2:
+        return []
+    for joint, along_z in _joints_along_z(robot):
+        if joint.kind != "revolute" or 1.0 - along_z > TILTED:
             return []
     return [
         "motion: spatial, but all joints turn about base z: if the robot floats on a "

@@ -4,8 +4,6 @@ A controller that computes its torques from a model tracks as well as the model 
 paper's servicer moves its arm and slews its base, free-flying on its wheels, twice: by
 a CAD model whose masses, first moments and inertias are off by 20 %, and by the model
 that was identified from one recording of Table 2's trajectory.
-
-What the base is commanded to do while it is tracked: a slew.
 """
 
 import time
@@ -130,10 +128,7 @@ class ControlStudy:
         }
 
 
-def run_control(
-    noise: StudyNoise = "none",
-    runs: SeedRuns = ONE_RUN,
-) -> ControlStudy:
+def run_control(noise: StudyNoise = "none", runs: SeedRuns = ONE_RUN) -> ControlStudy:
     """Identify, then track with the CAD model and with the identified one.
 
     Args:

@@ -128,9 +128,7 @@ class TableStudy:
         }
 
 
-def run_table(
-    runs: SeedRuns = ONE_RUN,
-) -> TableStudy:
+def run_table(runs: SeedRuns = ONE_RUN) -> TableStudy:
     """Fly both motions with each seed, and read their recordings.
 
     Args:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
 from orbident.errors import InputError
 from orbident.files.names import listed
@@ -201,12 +201,6 @@ class Emptied:
                     reasons[sensor][reason] += int(mask.sum())
         return cls(empty, {sensor: dict(why) for sensor, why in reasons.items()})
 
-    def without(
-        self, values: Float[np.ndarray, "n columns"], rows: slice
-    ) -> Float[np.ndarray, "n columns"]:
-        """These samples, those that are no measurement as NaN."""
-        return np.where(self.empty[rows], np.nan, values)
-
 
 _BLOCK_ROWS = 32_768
 """What is written at once: a row group of Parquet."""
@@ -348,7 +342,7 @@ def _blocks(
         for k, each in enumerate(used):
             low, high = np.searchsorted(indices[k], [start, stop])
             values = each.values.rows.gather(each.order[low:high])
-            values = emptied[k].without(values, slice(low, high))
+            values = np.where(emptied[k].empty[low:high], np.nan, values)
             block[indices[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block
         said(0.75 + 0.25 * stop / rows.size)
