@@ -5,11 +5,7 @@ from orbident.cli.options import Force, RunFolder
 from orbident.cli.output import Output
 
 
-def report(
-    output: Output,
-    run: RunFolder,
-    force: Force = False,
-) -> None:
+def report(output: Output, run: RunFolder, force: Force = False) -> None:
     """Write RUN/report.html, one page that needs no network.
 
     It says whether to trust the result, and why.

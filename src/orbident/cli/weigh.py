@@ -9,11 +9,7 @@ from orbident.cli.options import RecordingFile, RobotName
 from orbident.cli.output import Output, progress
 
 
-def weigh(
-    output: Output,
-    robot: RobotName,
-    recording: RecordingFile,
-) -> None:
+def weigh(output: Output, robot: RobotName, recording: RecordingFile) -> None:
     """Find the total mass from a thruster burn with locked joints.
 
     This is the paper's Eq. 40. It needs no angular momentum.
