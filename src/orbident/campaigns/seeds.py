@@ -1,6 +1,6 @@
 """Repeats a study's run with many seeds of its noise, here or in worker processes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -49,47 +49,6 @@ class Series(NamedTuple):
     """What the runs of the first seeds have made, where they are made already."""
 
 
-def over_seeds(
-    series: Sequence[Series],
-    executors: Executors = InThisProcess,
-    progress: Callable[[float], object] = lambda _: None,
-) -> list[Errors]:
-    """Make all runs; the same numbers wherever and in whatever order.
-
-    Args:
-        series: each with the same number of quantities in all its runs.
-        executors: where runs are made.
-        progress: is called with the fraction done.
-
-    Returns:
-        The errors of each series.
-
-    Raises:
-        InputError: a series has no seeds, or workers die again and again.
-        Exception: whatever a run raises.
-    """
-    for each in series:
-        if not each.seeds:
-            raise InputError("seeds: found 0; give one or more")
-    rows = [dict(zip(e.seeds, map(e.row_of, e.made), strict=False)) for e in series]
-    tasks = []
-    for k, each in enumerate(series):
-        left = each.seeds[len(each.made) :]
-        size = min(MOST, -(-len(left) // MOST)) or 1
-        tasks += [(k, left[at : at + size]) for at in range(0, len(left), size)]
-    runs = tuple((each.run, each.row_of) for each in series)
-    made, count = 0, sum(len(part) for _, part in tasks)
-    with closing(computed(executors, partial(_rows, runs), tasks)) as done:
-        for (k, part), future in done:
-            rows[k] |= zip(part, future.result(), strict=True)
-            made += len(part)
-            progress(made / count)
-    return [
-        Errors(np.array([found[seed] for seed in each.seeds]))
-        for each, found in zip(series, rows, strict=True)
-    ]
-
-
 @one_thread
 def _rows(
     runs: tuple[tuple[Callable[[int], Any], Callable[[Any], Row]], ...],
@@ -118,8 +77,38 @@ class SeedRuns(NamedTuple):
         return range(self.first, self.first + self.seeds)
 
     def over(self, *series: Series) -> list[Errors]:
-        """Make all runs of some series, as `over_seeds` does."""
-        return over_seeds(series, self.executors, self.progress)
+        """Make all runs; the same numbers wherever and in whatever order.
+
+        Args:
+            series: each with the same number of quantities in all its runs.
+
+        Returns:
+            The errors of each series.
+
+        Raises:
+            InputError: a series has no seeds, or workers die again and again.
+            Exception: whatever a run raises.
+        """
+        for each in series:
+            if not each.seeds:
+                raise InputError("seeds: found 0; give one or more")
+        rows = [dict(zip(e.seeds, map(e.row_of, e.made), strict=False)) for e in series]
+        tasks = []
+        for k, each in enumerate(series):
+            left = each.seeds[len(each.made) :]
+            size = min(MOST, -(-len(left) // MOST)) or 1
+            tasks += [(k, left[at : at + size]) for at in range(0, len(left), size)]
+        runs = tuple((each.run, each.row_of) for each in series)
+        made, count = 0, sum(len(part) for _, part in tasks)
+        with closing(computed(self.executors, partial(_rows, runs), tasks)) as done:
+            for (k, part), future in done:
+                rows[k] |= zip(part, future.result(), strict=True)
+                made += len(part)
+                self.progress(made / count)
+        return [
+            Errors(np.array([found[seed] for seed in each.seeds]))
+            for each, found in zip(series, rows, strict=True)
+        ]
 
 
 ONE_RUN = SeedRuns()
