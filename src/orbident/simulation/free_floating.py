@@ -40,10 +40,6 @@ class RateLaw(NamedTuple):
         h_B = rotate_back(quaternion_matrix(x_WB), h_cm)
         return rotate(self.E, h_B) - self.b
 
-    def every(self, stride: int) -> "RateLaw":
-        """The law at every so many of its times."""
-        return RateLaw(self.E[::stride], self.b[::stride])
-
 
 def rate_law(
     D: Float[np.ndarray, "n 3 3"], h_moving: Float[np.ndarray, "n 3"], planar: bool
@@ -117,7 +113,8 @@ def float_attitude(
         law, momentum = law_at(nodes), np.tile(h_cm, (nodes.size, 1))
         x, error = integrate_attitude(law, momentum, x_WB, t, substeps)
         if error <= tolerance:
-            return AttitudeHistory(x, law.every(2 * substeps), error, substeps)
+            at_samples = RateLaw(*(part[:: 2 * substeps] for part in law))
+            return AttitudeHistory(x, at_samples, error, substeps)
         if substeps == MOST_SUBSTEPS:
             raise InputError(
                 f"the base turns too fast for samples up to {np.diff(t).max():g} s "

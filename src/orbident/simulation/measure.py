@@ -113,17 +113,7 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
         trajectory: of the joints, in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    return Truth(
-        q=motion.q,
-        qd=motion.qd,
-        q_rw=_integrated(motion.t, motion.qd_rw, at.qdd_rw),
-        qd_rw=motion.qd_rw,
-        gyro=motion.w,
-        accelerometer=at.f_S,
-        attitude=motion.attitude,
-        position=motion.r_S,
-        velocity=motion.v_S,
-    )
+    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at.f_S)
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -132,16 +122,24 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
     Args:
         flight: wheels turn on from wherever they were; their angles count from here.
     """
+    return _truth(flight, flight.q_rw - flight.q_rw[0], flight.f_S)
+
+
+def _truth(
+    motion: FreeFloating | FreeFlying,
+    q_rw: Float[np.ndarray, "rows wheels"],
+    f_S: Float[np.ndarray, "rows 3"],
+) -> Truth:
     return Truth(
-        q=flight.q,
-        qd=flight.qd,
-        q_rw=flight.q_rw - flight.q_rw[0],
-        qd_rw=flight.qd_rw,
-        gyro=flight.w,
-        accelerometer=flight.f_S,
-        attitude=flight.attitude,
-        position=flight.r_S,
-        velocity=flight.v_S,
+        q=motion.q,
+        qd=motion.qd,
+        q_rw=q_rw,
+        qd_rw=motion.qd_rw,
+        gyro=motion.w,
+        accelerometer=f_S,
+        attitude=motion.attitude,
+        position=motion.r_S,
+        velocity=motion.v_S,
     )
 
 
