@@ -14,6 +14,7 @@ from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
+from orbident.identified.validate import SCORED
 from orbident.preprocessing.origins import SMOOTHED, WORDS
 from orbident.report.conditioning import conditioning, excitation, identifiability
 from orbident.report.convergence_section import (
@@ -171,7 +172,7 @@ def validation(scores: dict) -> Section:
             Numeric(scores["predicted_std"].get(name)),
             Numeric(scores["noise"].get(name)),
         )
-        for name in ("gyro", "velocity")
+        for name in SCORED
     )
     origin = "which was not used to identify"
     if scores.get("used"):

@@ -15,7 +15,7 @@ from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.prediction import predict
-from orbident.identified.validate import Validation, scored
+from orbident.identified.validate import SCORED, Validation, scored
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_blocks
 from orbident.robot.description import Robot
@@ -28,8 +28,6 @@ from orbident.studies.paper_method import (
     yaw_of,
 )
 from orbident.studies.planar import Flights, ideal_record, measured_record
-
-SCORED = ("gyro", "velocity")
 
 
 class Records(NamedTuple):

@@ -15,7 +15,7 @@ from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import nulled
-from orbident.identified.validate import Validation
+from orbident.identified.validate import SCORED, Validation
 from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.robot.description import Robot
@@ -24,7 +24,6 @@ from orbident.studies.paper_method import Filters, PaperParameters, condition_in
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar import fly_planar, planar_robot, planar_trajectory
 from orbident.studies.planar_run import (
-    SCORED,
     Measured,
     PaperFigure,
     PaperFilters,
