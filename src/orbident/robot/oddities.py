@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.files.names import listed
-from orbident.robot.description import Joint, Robot, Structure
+from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import FIRST_MOMENT, MASS, SYMBOLS, inertia_matrix
 from orbident.robot.sensor_schema import GyroSpec
 
@@ -196,7 +196,7 @@ def _out_of_plane(robot: Robot) -> list[str]:
         return []
     names = [
         joint.name
-        for joint, along_z in _joints_along_z(robot)
+        for joint, along_z in zip(robot.joints, _along_z(robot), strict=True)
         if (1.0 - along_z if joint.kind == "revolute" else along_z) > TILTED
     ]
     names += [wheel.name for wheel in robot.wheels if 1.0 - abs(wheel.axis[2]) > TILTED]
@@ -208,18 +208,19 @@ def _out_of_plane(robot: Robot) -> list[str]:
     ]
 
 
-def _joints_along_z(robot: Robot) -> Iterator[tuple[Joint, float]]:
-    """Each joint with the cosine between its axis and base z, of either sign."""
-    R = [np.eye(3)]
+def _along_z(robot: Robot) -> list[float]:
+    """The cosine between each joint's axis and base z, of either sign."""
+    R, cosines = [np.eye(3)], []
     for joint in robot.joints:
         R.append(R[joint.parent] @ joint.R_PJ)
-        yield joint, abs(R[-1] @ joint.axis)[2]
+        cosines.append(float(abs(R[-1] @ joint.axis)[2]))
+    return cosines
 
 
 def _flat(robot: Robot) -> list[str]:
     if robot.motion == "planar" or len(robot.joints) < 2:
         return []
-    for joint, along_z in _joints_along_z(robot):
+    for joint, along_z in zip(robot.joints, _along_z(robot), strict=True):
         if joint.kind != "revolute" or 1.0 - along_z > TILTED:
             return []
     return [
