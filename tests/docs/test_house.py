@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 57_618,
+    "lines": 57_616,
     "files of estimation": 47,
     "lines of estimation": 10_477,
     "files with one user": 66,
