@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 303,
-    "lines": 58_012,
+    "files": 302,
+    "lines": 57_616,
     "files of estimation": 47,
     "lines of estimation": 10_477,
     "files with one user": 66,
     "imports below each other": 30,
-    "numbers without a reason": 39,
+    "numbers without a reason": 38,
 }
 
 
