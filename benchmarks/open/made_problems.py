@@ -14,7 +14,7 @@ import numpy as np
 from problem_folder import DESCRIPTION, TRUTH, digest, mean_square, parameters_of
 
 from orbident.choices import InitialMomentum
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.recordings.recording import Recording
@@ -173,7 +173,7 @@ def make(name: str, folder: Path) -> None:
         "sha256": {file: digest(folder / file) for file in made},
         "mean_square": {file: mean_square(folder / file) for file in made},
     }
-    bound = cramer_rao(robot, flown, problem.initial_momentum)
+    bound = bound_of(robot, flown, problem.initial_momentum).parameters
     values = parameters_of(robot)
     least = [*_std(bound.pi), *_std(bound.phi), _std(bound.base)[0]]
     truth = {

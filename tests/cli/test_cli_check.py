@@ -205,7 +205,7 @@ def test_the_viewer_is_opened_after_it(
 ):
     shown = []
     monkeypatch.setattr(
-        "orbident.cli.view.view", lambda robot, quiet: shown.append(robot)
+        "orbident.cli.view.view", lambda output, robot: shown.append(robot)
     )
     orbident("check", "cepheus-like").done()
     assert shown == []

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from urdf_pieces import ARM, robot_file
 
-from orbident.cli import excite_tables, output
+from orbident.cli import excite_tables
 from orbident.robot.robot_file import load_robot
 from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory import Trajectory
@@ -52,7 +52,7 @@ def test_an_interrupted_search_says_so(orbident, monkeypatch):
 
         yield report
 
-    monkeypatch.setattr(output, "progress", interrupting)
+    monkeypatch.setattr("orbident.cli.excite.progress", interrupting)
     ran = orbident("excite", "cepheus-like", "--like-paper", "-o", "made.yaml")
     assert ran.status == 130
     assert "interrupted: the trajectory that was written is the best" in ran.err

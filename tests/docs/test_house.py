@@ -12,12 +12,12 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 306,
-    "lines": 59_015,
-    "files of estimation": 48,
-    "lines of estimation": 10_867,
+    "lines": 58_756,
+    "files of estimation": 49,
+    "lines of estimation": 11_005,
     "files with one user": 66,
-    "imports below each other": 30,
-    "numbers without a reason": 39,
+    "imports below each other": 31,
+    "numbers without a reason": 38,
 }
 
 

@@ -17,11 +17,11 @@ from scipy.spatial.transform import Rotation
 from spoiled import Spoil, Spoiled
 
 from orbident.model.core_robot import wheels_of
-from orbident.model.kinematics import inertia_at
+from orbident.model.kinematics import JointState, inertia_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
-from orbident.simulation.free_floating import BaseState, JointState, free_floating
+from orbident.simulation.free_floating import BaseState, free_floating
 
 SEEN = 5.0
 """Deviations: tests of a hundred causes have a false alarm in a hundred beyond 3.9; in

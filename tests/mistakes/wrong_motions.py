@@ -9,9 +9,10 @@ from disturbed import NOTHING, Now, Push, Wrench, pushed
 from recordings import Clean, motion_of
 from spoiled import Spoil, Spoiled, spoiled
 
+from orbident.model.kinematics import JointState
 from orbident.robot.description import Joint, Robot
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia, transformed
-from orbident.simulation.free_floating import JointMotion, JointState
+from orbident.simulation.free_floating import JointMotion
 from orbident.trajectories.trajectory import Trajectory
 
 EDGE = {"spatial": (2.1, 0.5, -0.7), "planar": (0.19, 0.0, 0.0)}

@@ -16,10 +16,8 @@ from orbident import _core
 from orbident.model.core_robot import core_robot
 from orbident.model.kinematics import (
     Inertia,
-    Masses,
     MomentumRegressors,
     Poses,
-    carried_about_S,
     inertia_at,
     momentum_regressors,
     point_jacobian,
@@ -34,6 +32,14 @@ ROBOTS, STATES, JOINTS = 24, 4, 7
 # Both sides multiply some tens of float64 matrices: 1e-15 each, and seldom in step.
 # Relative to the largest entry of the quantity; the worst observed is 3e-15.
 TOLERANCE = 1e-12
+
+
+class Masses(NamedTuple):
+    """Mass, first moment and inertia of some bodies about S, base axes."""
+
+    m: np.ndarray
+    s: np.ndarray
+    J: np.ndarray
 
 
 class Ours(NamedTuple):
@@ -63,7 +69,7 @@ def ours_of(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray) -> Ours:
     return Ours(
         only_state(poses(robot, q[None])),
         only_state(Masses(*_core.masses(core_robot(robot), q[None], False))),
-        only_state(carried_about_S(robot, q[None])),
+        only_state(Masses(*_core.masses(core_robot(robot), q[None], True))),
         inertia_at(robot, q),
         only_state(momentum_regressors(robot, q[None], qd[None], w[None])),
     )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from orbident.campaigns.seeds import SeedRuns
 from orbident.errors import InputError
 from orbident.simulation.control_laws import thrust
 from orbident.studies import paper_tables
@@ -42,7 +43,7 @@ def exact() -> PlanarStudy:
 
 @pytest.fixture(scope="module")
 def noisy() -> PlanarStudy:
-    return run_planar("paper", seeds=2, first_seed=5, method="least-squares")
+    return run_planar("paper", SeedRuns(2, 5), method="least-squares")
 
 
 def test_all_momentum_is_zero(flights: Flights):
@@ -186,7 +187,7 @@ def test_each_recording_has_a_noise_of_its_own(noisy: PlanarStudy, flights: Flig
 
 def test_there_must_be_seeds():
     with pytest.raises(InputError, match="seeds: found 0"):
-        run_planar("paper", seeds=0)
+        run_planar("paper", SeedRuns(0))
 
 
 def test_json(noisy: PlanarStudy, exact: PlanarStudy):

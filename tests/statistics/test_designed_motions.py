@@ -15,12 +15,12 @@ import pytest
 from small_problems import at_rest
 
 from orbident.campaigns.executors import local
-from orbident.campaigns.seeds import Series, over_seeds
+from orbident.campaigns.seeds import SeedRuns, Series
 from orbident.choices import InitialMomentum
 from orbident.environment.torques_and_forces import slow_shapes
 from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
 from orbident.estimation.identify import identify
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.excitation.design import design_excitation
 from orbident.excitation.guarantee import floated
 from orbident.robot.description import Robot
@@ -106,12 +106,11 @@ def test_what_a_designed_motion_promises_is_realised(name, capsys):
     robot = in_its_world(name)
     given = replace(paper_case(robot).conditions, basis=None, harmonics=None)
     motion = design_excitation(robot, conditions=given, starts=8)
-    (made,) = over_seeds(
-        [Series(partial(realised, robot, motion), range(REALISED))], local(at_hand())
-    )
+    series = Series(partial(realised, robot, motion), range(REALISED))
+    (made,) = SeedRuns(executors=local(at_hand())).over(series)
     errors, std = np.split(made.runs[:, :-1], 2, axis=1)
     rms, deviation = (np.sqrt(np.mean(np.square(x), axis=0)) for x in (errors, std))
-    known = cramer_rao(robot, motion, momentum_of(robot))
+    known = bound_of(robot, motion, momentum_of(robot)).parameters
     promised = np.sqrt(np.diag(known.pi.covariance))
     of_pi = float(np.sqrt(np.mean(np.square(errors / std))))
     of_all = float(np.sqrt(made.runs[:, -1].mean() / len(known.base.covariance)))

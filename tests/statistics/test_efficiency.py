@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import chi2
 
 from orbident.campaigns.executors import InThisProcess, local
-from orbident.campaigns.seeds import Series, over_seeds
+from orbident.campaigns.seeds import SeedRuns, Series
 from orbident.estimation.identify import Method, identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -79,7 +79,7 @@ def run(method: Method, seed: int) -> np.ndarray:
 def campaign(runs: int, method: Method) -> Campaign:
     """All seeds; many of them on all processors."""
     where = local(at_hand()) if runs == LONG else InThisProcess
-    (made,) = over_seeds([Series(partial(run, method), range(runs))], where)
+    (made,) = SeedRuns(executors=where).over(Series(partial(run, method), range(runs)))
     errors, std = np.split(made.runs[:, :-1], 2, axis=1)
     dof = minimal_sets(spatial_robot()).base.T.shape[0]
     return Campaign(errors, std, made.runs[:, -1], dof)

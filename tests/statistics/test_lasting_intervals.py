@@ -7,7 +7,7 @@ import pytest
 from random_motions import random_motion
 
 from orbident.estimation.identify import Method, identify
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
@@ -82,7 +82,7 @@ def test_deviations_are_those_of_the_bound():
     robot = robot_with(LASTS)
     motion = random_motion(robot, 1, 20.0, start="spun up")
     bound, white = (
-        np.sqrt(np.diag(cramer_rao(each, motion, "at-rest").base.covariance))
+        np.sqrt(np.diag(bound_of(each, motion, "at-rest").parameters.base.covariance))
         for each in (robot, robot_with(WHITE))
     )
     found = identify(robot, flight(1), initial_momentum="at-rest")

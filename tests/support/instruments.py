@@ -6,9 +6,10 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
+from orbident.model.kinematics import JointState
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.free_floating import JointMotion, JointState
+from orbident.simulation.free_floating import JointMotion
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,6 @@ from orbident.robot.parameters import (
     from_mass_com_inertia,
     inertia_about_com,
 )
-from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import CALIBRATION_KINDS
 from orbident.simulation.measure import Truth, measure_truth
 from orbident.simulation.sensor import stream
@@ -69,7 +68,9 @@ class Case:
     def draws(self) -> Draws:
         """What was drawn, by name: shares of CAD and of noise, the rest in SI."""
         robot, what = self.subject.robot, self.disperse
-        draws = self._draw("inertia", what.inertia, _names_of_inertia(robot))
+        kinds = ("mass", "com", "inertia")
+        names = tuple(f"{body}.{kind}" for body in robot.bodies for kind in kinds)
+        draws = self._draw("inertia", what.inertia, names)
         errors = {
             each.name: each.std
             for each in calibrations_of(robot, set(robot.sensors.declared))
@@ -115,11 +116,13 @@ class Case:
     def robot(self) -> Robot:
         """The one that flies, with the sensors that it has."""
         declared = self.subject.robot
-        moved = moved_joints(declared, self.instrument_errors)
+        moved, every = moved_joints(declared, self.instrument_errors), declared.sensors
+        noise = self._of("noise").items()
+        louder = {name: every.declared[name].louder(math.exp(x)) for name, x in noise}
         return replace(
             moved,
             theta=_theta(declared, self._of("inertia")),
-            sensors=_louder(declared.sensors, self._of("noise")),
+            sensors=every.model_copy(update=louder),
         )
 
     @cached_property
@@ -144,11 +147,6 @@ class Case:
         return recorded(self.robot, self.trajectory, self.instrument_errors, self.seed)
 
 
-def _names_of_inertia(robot: Robot) -> tuple[str, ...]:
-    kinds = ("mass", "com", "inertia")
-    return tuple(f"{body}.{kind}" for body in robot.bodies for kind in kinds)
-
-
 def _theta(robot: Robot, drawn: Draws) -> np.ndarray:
     """Factors `e^x`: `1 + x` where x is small, and never a body that cannot exist."""
     if not drawn:
@@ -164,12 +162,6 @@ def _theta(robot: Robot, drawn: Draws) -> np.ndarray:
         I_com = I * inertia_about_com(theta_i)
         bodies.append(from_mass_com_inertia(m * theta_i[MASS], com, I_com))
     return np.array(bodies)
-
-
-def _louder(sensors: SensorsSpec, drawn: Draws) -> SensorsSpec:
-    every = sensors.declared
-    louder = {name: every[name].louder(math.exp(x)) for name, x in drawn.items()}
-    return sensors.model_copy(update=louder)
 
 
 def _state(
@@ -260,7 +252,7 @@ def with_instrument_errors(
         # The motion is smooth, and so is the quintic through all its samples.
         return x if by == 0.0 or x.size == 0 else make_interp_spline(t, x, 5)(t - by)
 
-    turned = (R_WB * turn).as_quat()
+    shown = late("attitude", (R_WB * turn).as_quat())
     lever = R_WB.apply(np.cross(true.gyro, point))
     size = 1 + _drawn(errors, "position_scale")
     return true._replace(
@@ -269,7 +261,7 @@ def with_instrument_errors(
         q_rw=late("joint", true.q_rw),
         qd_rw=late("joint", true.qd_rw),
         gyro=(1 + _drawn(errors, "gyro_scale")) * (true.gyro @ R_BS),
-        attitude=_unit(late("attitude", turned)),
+        attitude=shown / np.linalg.norm(shown, axis=1, keepdims=True),
         position=size * late("position", true.position + R_WB.apply(point)),
         velocity=true.velocity + lever,
     )
@@ -283,7 +275,3 @@ def _drawn(errors: Errors, kind: str, of: str = "") -> Float[np.ndarray, " axes"
 
 def _rotation(errors: Errors, kind: str, of: str = "") -> Float[np.ndarray, "3 3"]:
     return Rotation.from_rotvec(_drawn(errors, kind, of)).as_matrix()
-
-
-def _unit(x: Float[np.ndarray, "rows 4"]) -> Float[np.ndarray, "rows 4"]:
-    return x / np.linalg.norm(x, axis=1, keepdims=True)

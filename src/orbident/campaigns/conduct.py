@@ -288,11 +288,6 @@ def reason_in(path: Path) -> str:
     )
 
 
-def failure_of(folder: Path, k: int) -> Path:
-    """Where it is said why run `k` could not be made."""
-    return folder / FAILED / f"{k}.json"
-
-
 def _result(future: Future[Chunk]) -> Chunk:
     try:
         return future.result()
@@ -314,5 +309,5 @@ def _keep(folder: Path, runs: range, chunk: Chunk, schema: pa.Schema) -> None:
             (folder / FAILED).mkdir(exist_ok=True)
     for failure in chunk.failures:
         text = json.dumps(failure.document, indent=1)
-        write_text(failure_of(folder, failure.k), text)
+        write_text(folder / FAILED / f"{failure.k}.json", text)
     write_rows(path_of(folder, runs), chunk.rows, schema)

@@ -179,19 +179,15 @@ def cluster(where: str, jobs: int) -> Executors:
     """
     with extra("cluster", "--cluster"):
         importlib.import_module("distributed")
-    _silence("distributed")
+    # What it would tell in tracebacks, the command says in a line.
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     if where == SLURM:
         return lambda: _on_slurm(jobs)
     address = where if "://" in where else _address_in(Path(where))
     _check_answers(where, address)
     return lambda: _connected(where, address)
-
-
-def _silence(library: str) -> None:
-    """What it would tell in tracebacks, the command says in a line."""
-    for name in list(logging.root.manager.loggerDict):
-        if name.partition(".")[0] == library:
-            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _address_in(file: Path) -> str:

@@ -85,7 +85,8 @@ def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
         if (folder / MANIFEST).exists():
             _check_same(folder, sums)
             return opened(folder)
-        if folder.exists() and not (folder.is_dir() and _is_free(folder)):
+        free = folder.is_dir() and all(x.name[0] == "." for x in folder.iterdir())
+        if folder.exists() and not free:
             raise InputError(
                 f"{folder}: is not a campaign's folder; name one that is new or empty"
             )
@@ -195,10 +196,6 @@ def _check_same(folder: Path, sums: dict[str, str]) -> None:
             "another DIR"
         )
     check_versions(folder, versions())
-
-
-def _is_free(folder: Path) -> bool:
-    return not any(not path.name.startswith(".") for path in folder.iterdir())
 
 
 def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> None:

@@ -1,10 +1,10 @@
 """Repeats a study's run with many seeds of its noise, here or in worker processes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -40,69 +40,76 @@ class Errors:
 class Series(NamedTuple):
     """One run a seed."""
 
-    run: Callable[[int], Row]
-    """Function from a seed to the errors of one run; it is sent to the workers."""
+    run: Callable[[int], Any]
+    """What a seed's run makes; it is sent to the workers."""
     seeds: range
-    known: tuple[Row, ...] = ()
-    """The errors of the first seeds, where they are known already."""
-
-
-def over_seeds(
-    series: Sequence[Series],
-    executors: Executors = InThisProcess,
-    progress: Callable[[float], object] = lambda _: None,
-) -> list[Errors]:
-    """Make all runs; the same numbers wherever and in whatever order.
-
-    Args:
-        series: each with the same number of quantities in all its runs.
-        executors: where runs are made.
-        progress: is called with the fraction done.
-
-    Returns:
-        The errors of each series.
-
-    Raises:
-        InputError: a series has no seeds, or workers die again and again.
-        Exception: whatever a run raises.
-    """
-    for each in series:
-        check_seeds(len(each.seeds))
-    rows = [dict(zip(each.seeds, each.known, strict=False)) for each in series]
-    tasks = [
-        (k, part)
-        for k, each in enumerate(series)
-        for part in _parts(each.seeds[len(each.known) :])
-    ]
-    runs = tuple(each.run for each in series)
-    made, count = 0, sum(len(part) for _, part in tasks)
-    with closing(computed(executors, partial(_rows, runs), tasks)) as done:
-        for (k, part), future in done:
-            rows[k] |= zip(part, future.result(), strict=True)
-            made += len(part)
-            progress(made / count)
-    return [
-        Errors(np.array([found[seed] for seed in each.seeds]))
-        for each, found in zip(series, rows, strict=True)
-    ]
-
-
-def check_seeds(seeds: int) -> None:
-    """Refuses none.
-
-    Raises:
-        InputError: There are no seeds.
-    """
-    if seeds < 1:
-        raise InputError(f"seeds: found {seeds}; give one or more")
-
-
-def _parts(seeds: range) -> list[range]:
-    size = min(MOST, -(-len(seeds) // MOST)) or 1
-    return [seeds[k : k + size] for k in range(0, len(seeds), size)]
+    row_of: Callable[[Any], Row] = np.asarray
+    """The errors of what a run has made; it is sent there too."""
+    made: tuple[Any, ...] = ()
+    """What the runs of the first seeds have made, where they are made already."""
 
 
 @one_thread
-def _rows(runs: tuple[Callable[[int], Row], ...], task: tuple[int, range]) -> list[Row]:
+def _rows(
+    runs: tuple[tuple[Callable[[int], Any], Callable[[Any], Row]], ...],
+    task: tuple[int, range],
+) -> list[Row]:
     k, seeds = task
-    return [runs[k](seed) for seed in seeds]
+    run, row_of = runs[k]
+    return [row_of(run(seed)) for seed in seeds]
+
+
+class SeedRuns(NamedTuple):
+    """Which runs of a study are made, and where."""
+
+    seeds: int = 1
+    """How many runs, one a seed."""
+    first: int = 0
+    """The first of the seeds."""
+    progress: Callable[[float], object] = lambda _: None
+    """Is called with the fraction done."""
+    executors: Executors = InThisProcess
+    """Where all runs but the first are made."""
+
+    @property
+    def numbers(self) -> range:
+        """All seeds."""
+        return range(self.first, self.first + self.seeds)
+
+    def over(self, *series: Series) -> list[Errors]:
+        """Make all runs; the same numbers wherever and in whatever order.
+
+        Args:
+            series: each with the same number of quantities in all its runs.
+
+        Returns:
+            The errors of each series.
+
+        Raises:
+            InputError: a series has no seeds, or workers die again and again.
+            Exception: whatever a run raises.
+        """
+        for each in series:
+            if not each.seeds:
+                raise InputError("seeds: found 0; give one or more")
+        rows = [dict(zip(e.seeds, map(e.row_of, e.made), strict=False)) for e in series]
+        tasks = []
+        for k, each in enumerate(series):
+            left = each.seeds[len(each.made) :]
+            size = min(MOST, -(-len(left) // MOST)) or 1
+            tasks += [(k, left[at : at + size]) for at in range(0, len(left), size)]
+        runs = tuple((each.run, each.row_of) for each in series)
+        made, count = 0, sum(len(part) for _, part in tasks)
+        with closing(computed(self.executors, partial(_rows, runs), tasks)) as done:
+            for (k, part), future in done:
+                rows[k] |= zip(part, future.result(), strict=True)
+                made += len(part)
+                self.progress(made / count)
+        return [
+            Errors(np.array([found[seed] for seed in each.seeds]))
+            for each, found in zip(series, rows, strict=True)
+        ]
+
+
+ONE_RUN = SeedRuns()
+"""The first seed alone."""

@@ -16,7 +16,7 @@ from orbident.choices import Method
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST
 from orbident.files.names import first_duplicate, quoted, suggestion
-from orbident.files.schema_parts import MappingSchema, WrongValueError, validated
+from orbident.files.schema_parts import MappingSchema, Name, WrongValueError, validated
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.robot.units import quantity
@@ -99,8 +99,6 @@ FEWEST, MOST = 5, 100
 """Runs of such a file: writing one takes as long as a tenth of a run, and of 100 runs
 at a quarter of a second a fault loses half a minute."""
 
-Text = Annotated[str, Field(min_length=1)]
-
 LARGEST_LOGARITHM = 10.0
 """Largest deviation of `x` in factors `e^x` of masses or noises: no draw overflows."""
 
@@ -114,9 +112,9 @@ DrawnSpeed = Annotated[Distribution | None, drawn_from("speed")]
 class RobotEntry(MappingSchema):
     """A robot, and the motion from which it is identified."""
 
-    robot: Text
+    robot: Name
     """A bundled name, a URDF or a robot file; files are relative to the campaign's."""
-    trajectory: Text = PAPER
+    trajectory: Name = PAPER
     environment: Environment | None = None
     """What acts from outside, instead of the trajectory file's."""
 

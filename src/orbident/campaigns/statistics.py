@@ -62,27 +62,24 @@ class MethodStatistics:
     def _parameters(self) -> Iterator[Parameter]:
         ends = (n for n in self.rows.schema.names if n.endswith(".value"))
         for name in (end.removesuffix(".value") for end in ends):
-            value, std, true = (
-                column(self.accepted, f"{name}.{what}")
-                for what in ("value", "std", "true")
-            )
-            error = value - true
+            error, std = self._errors(name)
             known = np.isfinite(error) & (std > 0)
             # A deviation of errors needs two of them.
             if np.count_nonzero(known) > 1:
                 yield Parameter(name, error[known], error[known] / std[known])
 
+    def _errors(self, name: str) -> "tuple[np.ndarray, np.ndarray]":
+        """The errors of a parameter, and the deviations that the results state."""
+        value, std, true = (
+            column(self.accepted, f"{name}.{what}") for what in ("value", "std", "true")
+        )
+        return value - true, std
+
     @cached_property
     def _z(self) -> Float[np.ndarray, "results parameters"]:
         """NaN where a result does not determine one."""
-        table = self.accepted
-        return np.column_stack(
-            [
-                (column(table, f"{p.name}.value") - column(table, f"{p.name}.true"))
-                / column(table, f"{p.name}.std")
-                for p in self.parameters
-            ]
-        )
+        errors = (self._errors(each.name) for each in self.parameters)
+        return np.column_stack([error / std for error, std in errors])
 
     def worst(self, count: int) -> list[tuple[int, str, float]]:
         """Run, parameter and error over deviation of the results farthest off."""

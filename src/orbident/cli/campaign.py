@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from orbident.cli.options import Json, Quiet, Workers
+from orbident.cli.options import Workers
+from orbident.cli.output import Output, progress, with_output
 
 if TYPE_CHECKING:
     from orbident.campaigns.conduct import Done
@@ -38,7 +39,9 @@ Folder = Annotated[
 
 
 @campaign.command(RUN, epilog="Example: orbident campaign run spec.yaml -o campaign")
+@with_output
 def run(
+    output: Output,
     spec: Annotated[
         Path, typer.Argument(metavar="SPEC", help="A campaign file (YAML).")
     ],
@@ -60,19 +63,15 @@ def run(
             "tls://), its scheduler file, or as many Slurm jobs as --workers says.",
         ),
     ] = None,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Make the runs that are missing; the word 'run' may be left out."""
     from orbident.campaigns.conduct import conduct
     from orbident.campaigns.executors import local
     from orbident.campaigns.folder import begin
     from orbident.campaigns.spec import load_spec
-    from orbident.cli.output import Output, progress
     from orbident.studies.spatial import paper_case
     from orbident.threads import at_hand
 
-    output = Output(json, quiet)
     if cluster is None:
         executors = local(workers or at_hand())
     else:
@@ -92,16 +91,15 @@ def run(
 
 
 @campaign.command(epilog="Example: orbident campaign status campaign")
-def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
+@with_output
+def status(output: Output, folder: Folder) -> None:
     """Show how far a campaign is.
 
     This works on any machine that sees its folder.
     """
     from orbident.campaigns.conduct import campaign_progress as status_of
     from orbident.campaigns.folder import opened
-    from orbident.cli.output import Output
 
-    output = Output(json, quiet)
     begun = opened(folder)
     done = status_of(begun, folder)
     output.say(*_lines(begun, folder, done))
@@ -109,13 +107,13 @@ def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
 
 
 @campaign.command(epilog="Example: orbident campaign rerun campaign 17")
+@with_output
 def rerun(
+    output: Output,
     folder: Folder,
     number: Annotated[
         int, typer.Argument(metavar="RUN", help="Number of the run, from 0.")
     ],
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Repeat one run exactly, and keep what it makes.
 
@@ -125,9 +123,7 @@ def rerun(
     from orbident.campaigns.folder import check_versions, opened, versions
     from orbident.cli.identify import keep
     from orbident.cli.identify_tables import summary
-    from orbident.cli.output import Output, progress
 
-    output = Output(json, quiet)
     begun = opened(folder)
     check_versions(folder, versions())
     with progress(f"run {number}"):

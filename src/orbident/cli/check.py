@@ -1,32 +1,29 @@
 """`orbident check ROBOT`."""
 
-from math import isfinite
 from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RobotName
+import orbident as oi
+from orbident.cli.options import RobotName
+from orbident.cli.output import Output
 
 
 def check(
+    output: Output,
     robot: RobotName,
     view: Annotated[
         bool,
         typer.Option("--view", help="Then show it in the browser, as 'view' does."),
     ] = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Show a robot's tree, masses and sensors, and what looks wrong."""
-    from orbident.cli.output import Output
     from orbident.cli.robot_tree import robot_tree, sensor_lines
     from orbident.cli.view import view as show
     from orbident.environment.worlds import may_act_in_words
     from orbident.robot.oddities import oddities
-    from orbident.robot.robot_file import load_robot
 
-    output = Output(json, quiet)
-    described = load_robot(robot)
+    described = oi.load_robot(robot)
     odd = (*oddities(described), *_irregular(described))
     sensors = list(sensor_lines(described))
     output.say(repr(described), robot_tree(described))
@@ -38,27 +35,24 @@ def check(
     )
     output.write_json(_document(described, odd))
     if view:
-        show(robot, quiet=quiet)
+        show(Output(None, output.quiet), robot)
 
 
 def _irregular(robot: Any) -> tuple[str, ...]:
     """Why other verbs refuse the robot."""
-    from orbident.errors import InputError
     from orbident.model.regularity import check_regular
 
     try:
         check_regular(robot)
-    except InputError as error:
+    except oi.InputError as error:
         return (str(error),)
     return ()
 
 
-def _finite(limit: float) -> float | None:
-    return limit if isfinite(limit) else None
-
-
 def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
     """Frames as the model has them: the base's at S, any other body's at its joint."""
+    from orbident.files.json_parts import nulled
+
     bodies = [{"name": robot.bodies[0], "theta": robot.theta[0].tolist()}]
     for joint, name, theta in zip(
         robot.joints, robot.bodies[1:], robot.theta[1:], strict=True
@@ -72,7 +66,7 @@ def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
                 "axis": joint.axis.tolist(),
                 "rotation": joint.R_PJ.tolist(),
                 "place": joint.p_PJ.tolist(),
-                "position": joint.position and list(map(_finite, joint.position)),
+                "position": joint.position and list(map(nulled, joint.position)),
                 "velocity": joint.velocity,
                 "theta": theta.tolist(),
             }

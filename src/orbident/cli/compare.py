@@ -5,10 +5,12 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+import orbident as oi
+from orbident.cli.output import Output
 
 
 def compare(
+    output: Output,
     before: Annotated[
         Path, typer.Argument(metavar="BEFORE", help="A RUN that 'identify -o' wrote.")
     ],
@@ -23,17 +25,10 @@ def compare(
             "explains the change best.",
         ),
     ] = None,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Find what a robot captured or let go between two RUNs."""
-    from orbident.cli.output import Output
-    from orbident.identified.comparison import compare as compared
-    from orbident.identified.run_folder import load_result
-
-    output = Output(json, quiet)
-    results = load_result(before), load_result(after)
-    comparison = compared(*results, body)
+    results = oi.load_result(before), oi.load_result(after)
+    comparison = oi.compare(*results, body)
     output.warn(comparison.warnings)
     output.say(*_lines(comparison))
     output.write_json(comparison.to_json())

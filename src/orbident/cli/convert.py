@@ -5,17 +5,15 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
+import orbident as oi
+from orbident.cli.options import Force, LogFile, NewRecording, Preset
+from orbident.cli.output import Output, progress
 
 
 def convert(
+    output: Output,
     file: LogFile,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "-o", metavar="REC", help="The recording to write, .csv or .parquet."
-        ),
-    ],
+    out: NewRecording,
     topic_map: Annotated[
         Path | None,
         typer.Option(
@@ -26,26 +24,20 @@ def convert(
     ] = None,
     preset: Preset = None,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Convert a file of ROS, MATLAB, PX4 or others to a recording."""
-    from orbident.cli.output import Output, progress
-    from orbident.errors import InputError
     from orbident.files.replacing import check_free
-    from orbident.recordings.topics.convert import convert_file
     from orbident.recordings.topics.presets import known_preset
 
-    output = Output(json, quiet)
     chosen = topic_map if preset is None else known_preset(preset)
     if chosen is None or None not in {topic_map, preset}:
-        raise InputError(
+        raise oi.InputError(
             "give either '--map MAP', which 'orbident topics' proposes, or "
             "'--preset NAME'"
         )
     check_free(out, force)
     with progress("converting") as done:
-        report = convert_file(file, chosen, out, done)
+        report = oi.convert_file(file, chosen, out, done)
     output.warn(report.warnings)
     output.say(*_lines(file, report))
     output.write_json(report.to_json())

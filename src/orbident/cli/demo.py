@@ -5,13 +5,16 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Force, Json, Quiet
+import orbident as oi
+from orbident.cli.options import Force
+from orbident.cli.output import Output, progress
 
 RUN = "run"
 FLIGHTS = ("flight.csv", "other_flight.csv")
 
 
 def demo(
+    output: Output,
     out: Annotated[
         Path,
         typer.Option(
@@ -22,8 +25,6 @@ def demo(
         int, typer.Option(help="Random seed of robot, noise and torque.", min=0)
     ] = 0,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """See it work: a robot that CAD has wrong is flown and identified.
 
@@ -34,14 +35,11 @@ def demo(
     import numpy as np
 
     from orbident.cli.identify_tables import summary, warnings_of
-    from orbident.cli.output import Output, progress
-    from orbident.estimation.identify import identify
     from orbident.files.replacing import check_free
     from orbident.identified.prediction import predict
     from orbident.identified.run_folder import check_absent
     from orbident.studies import demo as study
 
-    output = Output(json, quiet)
     check_absent(out / RUN, force)
     for name in FLIGHTS if out.exists() else ():
         check_free(out / name, force)
@@ -58,7 +56,7 @@ def demo(
         "",
     )
     with progress("identifying") as done:
-        result = identify(robot, flown.first, progress=done)
+        result = oi.identify(robot, flown.first, progress=done)
     unmade, result = _kept(result, flown, out, force)
     output.warn([*unmade, *warnings_of(result, everything=False)])
     output.say(*summary(result, None, everything=False))
@@ -78,7 +76,7 @@ def demo(
         "attitude",
         f"is {off['identified']:.2g} deg off as identified, {off['CAD']:.2g} by CAD",
         "",
-        *_next(out, shown=not quiet and json != "-"),
+        *_next(out, shown=not output.silent),
     )
     output.write_json(
         {
@@ -101,11 +99,10 @@ def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], A
     from orbident.cli.identify import keep
     from orbident.files.folder_replacing import replacing_files
     from orbident.files.text import sha256
-    from orbident.recordings.tables import write_recording
 
     with replacing_files(out, FLIGHTS) as new:
         for name, recording in zip(FLIGHTS, (flown.first, flown.other), strict=True):
-            write_recording(recording, new / name)
+            oi.write_recording(recording, new / name)
         known = {"file": FLIGHTS[0], "sha256": sha256(new / FLIGHTS[0])}
         result = replace(result, input=known)
         return keep(result, flown.robot, flown.first, out / RUN, force), result

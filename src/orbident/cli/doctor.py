@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.output import Output
 
 if TYPE_CHECKING:
     from orbident.studies.spatial import SelfTest
@@ -15,13 +15,10 @@ _UNLISTED = ("all", "docs", "test")
 """Extras that are the others together, or that only developers need."""
 
 
-def doctor(json: Json = None, quiet: Quiet = False) -> None:
+def doctor(output: Output) -> None:
     """Check this installation: versions, extras and a self-test."""
     import platform
 
-    from orbident.cli.output import Output
-
-    output = Output(json, quiet)
     libraries = _libraries()
     tested, problems = _tested()
     problems += [
@@ -35,7 +32,13 @@ def doctor(json: Json = None, quiet: Quiet = False) -> None:
         f"orbident {version('orbident')}, Python {platform.python_version()}, {system}",
         "libraries: " + _versions(libraries[""]),
         "compiler: not needed; the core is compiled already",
-        *(_extra(name, found) for name, found in sorted(libraries.items()) if name),
+        *(
+            f'extra {name}: not installed: pip install "orbident[{name}]"'
+            if None in found.values()
+            else f"extra {name}: {_versions(found)}"
+            for name, found in sorted(libraries.items())
+            if name
+        ),
     )
     if tested:
         output.say(f"self-test: {_said(tested)}")
@@ -103,9 +106,3 @@ def _installed(name: str) -> str | None:
 
 def _versions(found: dict[str, str | None]) -> str:
     return ", ".join(f"{name} {each or 'missing'}" for name, each in found.items())
-
-
-def _extra(name: str, found: dict[str, str | None]) -> str:
-    if None in found.values():
-        return f'extra {name}: not installed: pip install "orbident[{name}]"'
-    return f"extra {name}: {_versions(found)}"

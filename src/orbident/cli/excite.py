@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+import orbident as oi
 from orbident.choices import Objective
 from orbident.cli.excite_tables import (
     INTERRUPTED,
@@ -18,7 +19,8 @@ from orbident.cli.excite_tables import (
     was_interrupted,
     written,
 )
-from orbident.cli.options import Force, Json, Quiet, RobotName
+from orbident.cli.options import Force, RobotName
+from orbident.cli.output import Output, progress
 from orbident.errors import InputError
 from orbident.files.bounds import MOST_RECORDINGS
 
@@ -118,6 +120,7 @@ Seed = Annotated[int, typer.Option(help="Random seed of the starts.", min=0)]
 
 
 def excite(
+    output: Output,
     robot: RobotName,
     out: Out = None,
     duration: Duration = None,
@@ -133,29 +136,24 @@ def excite(
     compare: Compare = None,
     seed: Seed = 0,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Design a motion that excites every parameter.
 
     Limits of positions and rates hold at all times, between samples too. With
     --compare, motions that exist are scored instead.
     """
-    from orbident.cli.output import Output
     from orbident.files.replacing import check_free
-    from orbident.robot.robot_file import load_robot
     from orbident.trajectories.trajectory_file import numbered
 
-    output = Output(json, quiet)
     if compare:
-        _compare(load_robot(robot), compare, like_paper, output)
+        _compare(oi.load_robot(robot), compare, like_paper, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
     places = numbered(out, recordings)
     for place in places:
         check_free(place, force)
-    described = load_robot(robot)
+    described = oi.load_robot(robot)
     limits = _limits(limit or [])
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits
@@ -185,9 +183,7 @@ def _designed(
     robot: Any, places: list[Path], given: Any, asked: dict[str, Any]
 ) -> list[Any]:
     """The trajectories, each written as soon as it is found."""
-    from orbident.cli.output import progress
     from orbident.excitation.design import design_recordings
-    from orbident.trajectories.trajectory_file import save_trajectory
 
     made = []
     with progress("preparing") as show:
@@ -199,13 +195,12 @@ def _designed(
         for found in design_recordings(
             robot, len(places), given, progress=report, **asked
         ):
-            save_trajectory(found, places[len(made)])
+            oi.save_trajectory(found, places[len(made)])
             made.append(found)
     return made
 
 
 def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> None:
-    from orbident.cli.output import progress
     from orbident.excitation.scores import compare_trajectories
     from orbident.trajectories.trajectory_file import load_experiment
 
@@ -233,7 +228,6 @@ def _conditions(
     from dataclasses import replace
 
     from orbident.excitation.conditions import conditions_for, limits_of
-    from orbident.trajectories.trajectory_file import load_trajectory
 
     duration, harmonics = wanted
     within = limits_of(robot, **limits)
@@ -250,7 +244,7 @@ def _conditions(
             limits=within,
         )
         return given, paper
-    source = None if like is None else load_trajectory(like)
+    source = None if like is None else oi.load_trajectory(like)
     usual = DURATION if source is None else source.duration
     return conditions_for(
         robot,

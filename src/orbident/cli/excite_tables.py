@@ -145,12 +145,13 @@ def written(found: Any, out: Path, paper: Any) -> dict[str, Any]:
 def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     """Trajectories side by side, as tables and as JSON."""
     from orbident.data_table import Numeric, table_of
+    from orbident.files.json_parts import nulled
 
     shown = dict(CRITERIA)
     if any(score.price is not None for score in found.scores):
         shown["price"] = "times as wide by what may act"
     rows = (
-        (words, *(Numeric(_finite(getattr(s, key)), ".4g") for s in found.scores))
+        (words, *(Numeric(nulled(getattr(s, key)), ".4g") for s in found.scores))
         for key, words in shown.items()
     )
     sizes = [size_of(sides) for sides in found.tables if sides]
@@ -160,7 +161,7 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
         (
             name,
             Numeric(found.nominal[k], ".5g"),
-            *(Numeric(_finite(std), ".4g") for std in found.deviations[:, k]),
+            *(Numeric(nulled(std), ".4g") for std in found.deviations[:, k]),
         )
         for k, name in enumerate(found.parameters)
     )
@@ -169,9 +170,9 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
         "trajectories": [
             {
                 "source": source,
-                "scores": {key: _finite(getattr(score, key)) for key in shown},
-                "std": [_finite(float(std)) for std in deviations],
-                "table": sides and [_finite(side) for side in sides],
+                "scores": {key: nulled(getattr(score, key)) for key in shown},
+                "std": nulled(deviations),
+                "table": sides and [nulled(side) for side in sides],
             }
             for source, score, deviations, sides in zip(
                 found.sources, found.scores, found.deviations, found.tables, strict=True
@@ -197,12 +198,9 @@ def size_of(sides: Any) -> str:
 
 
 def _number(value: float | None) -> str:
-    return "-" if _finite(value) is None else f"{value:.4g}"
+    known = value is not None and math.isfinite(value)
+    return f"{value:.4g}" if known else "-"
 
 
 def _range(ends: list[float | None]) -> str:
     return f"{_number(ends[0])} .. {_number(ends[1])}"
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

@@ -5,11 +5,14 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Force, Json, Quiet
+import orbident as oi
+from orbident.cli.options import Force
+from orbident.cli.output import Output, progress
 from orbident.errors import InputError
 
 
 def export(
+    output: Output,
     run: Annotated[
         Path,
         typer.Argument(
@@ -52,15 +55,10 @@ def export(
         ),
     ] = None,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Write the identified model, or a filter for flight computers."""
-    from orbident.cli.output import Output
     from orbident.files.replacing import check_free
-    from orbident.identified.run_folder import load_result
 
-    output = Output(json, quiet)
     _check_what(out, q, flight, recording)
     if flight is not None and recording is not None:
         _export_flight(output, run, flight, recording, force)
@@ -68,7 +66,7 @@ def export(
     assert out is not None
     suffix = _checked_suffix(out, q, recording)
     check_free(out, force)
-    result = load_result(run)
+    result = oi.load_result(run)
     if q is not None:
         write_matrices(output, result, out, _numbers(q))
     elif recording is not None:
@@ -96,20 +94,16 @@ def _check_what(
 def _export_flight(
     output: Any, run: Path, folder: Path, recording: Path, force: bool
 ) -> None:
-    from orbident.cli.output import progress
     from orbident.identified.flight_export import (
         check_empty,
         export_flight,
         samples_for_flight,
     )
-    from orbident.identified.run_folder import load_result
-    from orbident.recordings.tables import read_recording
-    from orbident.robot.robot_file import load_robot
 
     check_empty(folder, force)
-    source = load_result(run) if run.is_dir() else load_robot(str(run))
+    source = oi.load_result(run) if run.is_dir() else oi.load_robot(str(run))
     with progress("filtering"):
-        given = samples_for_flight(source, read_recording(recording))
+        given = samples_for_flight(source, oi.read_recording(recording))
         written = export_flight(*given, folder, force)
     if not written.scale:
         output.warn(
@@ -253,12 +247,10 @@ def write_parameters(output: Any, result: Any, out: Path) -> None:
 
 def write_motion(output: Any, result: Any, out: Path, recording: Path) -> None:
     """What was recorded and what is predicted, as messages of ROS 2."""
-    from orbident.cli.output import progress
     from orbident.files.text import sha256
-    from orbident.recordings.tables import read_recording
     from orbident.scene.mcap_export import write_mcap
 
-    motion = read_recording(recording)
+    motion = oi.read_recording(recording)
     # What was predicted of its sensors is of the one that the RUN is from.
     own = result.input.get("sha256") == sha256(recording)
     with progress("writing") as done:

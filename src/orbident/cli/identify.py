@@ -5,20 +5,21 @@ from typing import Annotated, Any
 
 import typer
 
+import orbident as oi
 from orbident.choices import CauseSearch, DisturbanceGroup, Method
 from orbident.cli.options import (
     End,
     Force,
-    Json,
     MomentumKnown,
-    Quiet,
     RobotName,
     Start,
     cut_to_times,
 )
+from orbident.cli.output import Output, progress
 
 
 def identify(
+    output: Output,
     robot: RobotName,
     recordings: Annotated[
         list[Path],
@@ -81,8 +82,6 @@ def identify(
         ),
     ] = "quick",
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Identify a robot's inertial parameters from recordings.
 
@@ -92,28 +91,23 @@ def identify(
     from dataclasses import replace
 
     from orbident.cli.identify_tables import summary, warnings_of
-    from orbident.cli.output import Output, progress
-    from orbident.estimation.identify import identify as identified
     from orbident.files.text import name_of, sha256
-    from orbident.recordings.recording import Recording
-    from orbident.recordings.tables import open_recording, read_recording
+    from orbident.recordings.tables import open_recording
     from orbident.robot.may_act import may_act
-    from orbident.robot.robot_file import load_robot
 
-    output = Output(json, quiet)
     if out is not None:
         from orbident.identified.run_folder import check_absent
 
         check_absent(out, force)
-    described = load_robot(robot)
+    described = oi.load_robot(robot)
     if disturbance:
         asked = {**(described.disturbances or {}), **(may_act(disturbance) or {})}
         described = replace(described, disturbances=asked)
     with progress("reading"):
         tables = [cut_to_times(open_recording(each), start, end) for each in recordings]
-        pushed = None if burn is None else read_recording(burn)
+        pushed = None if burn is None else oi.read_recording(burn)
     with progress("identifying") as done:
-        result = identified(
+        result = oi.identify(
             described,
             tables,
             method,
@@ -132,7 +126,7 @@ def identify(
     ]
     origin = files[0] if len(files) == 1 else {"recordings": files}
     result = replace(result, input=origin)
-    shown = tables[0] if isinstance(tables[0], Recording) else tables[0].digest
+    shown = tables[0] if isinstance(tables[0], oi.Recording) else tables[0].digest
     unmade = [] if out is None else keep(result, described, shown, out, force)
     output.warn([*unmade, *warnings_of(result, everything)])
     output.say(*summary(result, out, everything))

@@ -9,17 +9,21 @@ from typing import Any
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
-from orbident.report.parameter_section import mass_rows, routes_left_out, spring_table
-
-TITLES = {
-    "base": "base parameters: what free floating can identify",
-    "links": "links: base parameters without the motors' rotors that are declared",
-    "phi": "phi: what the velocity of S shows",
-    "pi": "pi: what the angular momentum shows",
-}
+from orbident.report.parameter_section import (
+    TITLES,
+    mass_rows,
+    routes_left_out,
+    spring_table,
+)
 
 NOTES = 2
 """Notes that are printed with a refusal: it has eight lines at most."""
+
+NOTHING_ACTS = (
+    "if nothing acted from outside, std would be {:.2g} times smaller (see "
+    "'disturbances')"
+)
+"""What it would bring to know that nothing acts."""
 
 COLUMNS = 80
 """The width of a terminal, as it opens nearly everywhere."""
@@ -46,7 +50,7 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         *_goodness(result),
         *_springs(result),
         *_limits(result.budget()),
-        *_if_nothing_acts(result),
+        *([NOTHING_ACTS.format(result.widened_by)] if result.allowed else []),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -76,7 +80,7 @@ def _everything(result: Any) -> list[str]:
             continue
         rows = parameter_rows(found, range(len(found.names)))
         whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
-        lines += ["", title, HEAD, *whole]
+        lines += ["", title[0].lower() + title[1:], HEAD, *whole]
     if geared_joints(result.robot):
         lines += ["", IN_FORMULAS]
     lines += _masses(result)
@@ -157,16 +161,6 @@ def _disturbances(result: Any) -> list[str]:
         for name, size in result.allowed.items()
     ]
     return ["", "from outside, SI", *lines] if lines else []
-
-
-def _if_nothing_acts(result: Any) -> list[str]:
-    """What it would bring to know that nothing acts."""
-    if not result.allowed:
-        return []
-    return [
-        f"if nothing acted from outside, std would be {result.widened_by:.2g} times "
-        "smaller (see 'disturbances')"
-    ]
 
 
 def _sensitivity(result: Any) -> list[str]:

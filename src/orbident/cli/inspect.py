@@ -6,16 +6,17 @@ from typing import Annotated, Any
 
 import typer
 
+import orbident as oi
 from orbident.choices import InitialMomentum
 from orbident.cli.options import (
-    Json,
     MomentumKnown,
-    Quiet,
     RobotName,
 )
+from orbident.cli.output import Output, progress
 
 
 def inspect(
+    output: Output,
     robot: RobotName,
     trajectory: Annotated[
         Path | None,
@@ -26,26 +27,20 @@ def inspect(
         ),
     ] = None,
     initial_momentum: MomentumKnown = "unknown",
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Show a robot, and what a recording of it can identify."""
     from orbident.cli.identify_tables import budget_lines
-    from orbident.cli.output import Output, progress
     from orbident.model.formulas import (
         formulas_of,
         nominal_parameters,
         not_identifiable,
     )
-    from orbident.model.minimal_sets import minimal_sets
     from orbident.model.regularity import check_regular
-    from orbident.robot.robot_file import load_robot
 
-    output = Output(json, quiet)
-    described = load_robot(robot)
+    described = oi.load_robot(robot)
     with progress("finding the minimal sets"):
         check_regular(described)
-        sets = minimal_sets(described)
+        sets = oi.minimal_sets(described)
         words = formulas_of(described, sets)
         unidentifiable = not_identifiable(described, sets)
         bound = budget = table = None
@@ -88,9 +83,8 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
     """The bound, and the smallest table."""
     from orbident.excitation.bound import bound_of
     from orbident.excitation.guarantee import floated, smallest_table
-    from orbident.trajectories.trajectory_file import load_trajectory
 
-    motion = load_trajectory(trajectory).for_robot(robot)
+    motion = oi.load_trajectory(trajectory).for_robot(robot)
     table = smallest_table(robot, motion, floated(robot, motion))
     return bound_of(robot, motion, initial_momentum), table
 

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+import orbident as oi
 from orbident.cli.options import RobotName
 from orbident.cli.streams import wipe
 
@@ -65,19 +66,17 @@ def live(
     from contextlib import ExitStack
 
     from orbident.cli.streams import warn
-    from orbident.errors import InputError
     from orbident.files.replacing import check_place
     from orbident.live.session import Session
     from orbident.live.sources import Datagrams, lines_of_input
-    from orbident.robot.robot_file import load_robot
 
     _check_number("--every", every)
     _check_number("--velocity-std", velocity_std)
     if state is not None:
         check_place(state)
-    described = load_robot(robot)
+    described = oi.load_robot(robot)
     if host is not None and udp is None:
-        raise InputError(
+        raise oi.InputError(
             "--host: standard input is read; add --udp PORT, or leave out --host"
         )
     sockets = None if udp is None else Datagrams(host or "127.0.0.1", udp)
@@ -112,10 +111,9 @@ def live(
 
 
 def _check_number(option: str, number: float | None) -> None:
-    from orbident.errors import InputError
 
     if number is not None and not 0 < number < float("inf"):
-        raise InputError(f"{option}: found {number}; give a number above zero")
+        raise oi.InputError(f"{option}: found {number}; give a number above zero")
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -6,10 +6,13 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Force, Json, Quiet
+import orbident as oi
+from orbident.cli.options import Force
+from orbident.cli.output import Output
 
 
 def new(
+    output: Output,
     robot: Annotated[
         Path,
         typer.Argument(metavar="FILE", help="The robot file to write (.yaml)."),
@@ -31,29 +34,23 @@ def new(
         ),
     ] = None,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Write a robot file to edit, beside a URDF or for a robot without one."""
-    from orbident.cli.output import Output
-    from orbident.errors import InputError
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import name_of, write_text
     from orbident.robot.new_robot_file import new_robot_text, robot_text_of_model
-    from orbident.robot.robot_file import load_robot
 
-    output = Output(json, quiet)
     if robot.suffix.lower() not in {".yaml", ".yml"}:
-        raise InputError(f"{robot}: give a name that ends in .yaml")
+        raise oi.InputError(f"{robot}: give a name that ends in .yaml")
     if model is not None and dh:
-        raise InputError("--model and --dh each describe the arm; give one of them")
+        raise oi.InputError("--model and --dh each describe the arm; give one of them")
     check_free(robot, force)
     if model is None:
         name, taken = name_of(robot.with_suffix("")), ()
         text = new_robot_text(name, joints, wheels, table=dh)
     else:
-        described = load_robot(model)
+        described = oi.load_robot(model)
         text, taken = robot_text_of_model(
             described, os.path.relpath(model, robot.parent)
         )

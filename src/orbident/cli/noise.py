@@ -5,10 +5,13 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Force, Json, Quiet
+import orbident as oi
+from orbident.cli.options import Force
+from orbident.cli.output import Output, progress
 
 
 def noise(
+    output: Output,
     rest: Annotated[
         Path,
         typer.Argument(
@@ -32,25 +35,20 @@ def noise(
         ),
     ] = None,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Estimate the noise of sensors from a recording at rest.
 
     For each axis of gyro, accelerometer, attitude and position: white noise and, where
     the samples show it, noise that lasts.
     """
-    from orbident.cli.output import Output, progress
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.noise.rest_noise import noise_table, rest_noise, sensor_section
-    from orbident.recordings.tables import read_recording
 
-    output = Output(json, quiet)
     for place in (out, plot):
         if place is not None:
             check_free(place, force)
-    recording = read_recording(rest)
+    recording = oi.read_recording(rest)
     with progress("learning the noise"):
         found = rest_noise(recording)
     section = sensor_section(found)

@@ -6,14 +6,14 @@ from typing import Annotated, Any
 
 import typer
 
+import orbident as oi
 from orbident.choices import InitialMomentum
 from orbident.errors import InputError
 
 
 def _bundled(incomplete: str) -> list[str]:
-    from orbident.robot.robot_file import bundled_robots
 
-    return [name for name in bundled_robots() if name.startswith(incomplete)]
+    return [name for name in oi.bundled_robots() if name.startswith(incomplete)]
 
 
 def _presets(incomplete: str) -> list[str]:
@@ -51,6 +51,11 @@ Workers = Annotated[
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
 ]
+NewRecording = Annotated[
+    Path,
+    typer.Option("-o", metavar="REC", help="The recording to write, .csv or .parquet."),
+]
+
 LogFile = Annotated[
     Path,
     typer.Argument(

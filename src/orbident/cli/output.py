@@ -2,15 +2,14 @@
 
 import json
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console, Group
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
-
+from orbident.cli.options import Json, Quiet
 from orbident.cli.streams import warn, wipe
 from orbident.data_table import DataTable
 from orbident.files.replacing import check_place
@@ -35,13 +34,12 @@ class Output:
         if json_to not in {None, "-"}:
             check_place(Path(str(json_to)))
         # With the JSON on standard output nothing else may stand there.
-        self._silent = quiet or json_to == "-"
+        self.quiet, self.silent = quiet, quiet or json_to == "-"
         self._json_to = json_to
-        self._console = Console(width=WIDTH, highlight=False)
 
     def say(self, *things: Any) -> None:
         """Words and tables for people; names are shown as they are, never as markup."""
-        if self._silent:
+        if self.silent:
             return
         wipe()
         for thing in things:
@@ -54,9 +52,12 @@ class Output:
             warn(sentence)
 
     def _drawn(self, thing: Any) -> str:
+        from rich.console import Console
+
+        console = Console(width=WIDTH, highlight=False)
         table = _in_columns(thing) if isinstance(thing, DataTable) else thing
-        with self._console.capture() as drawn:
-            self._console.print(table, markup=False)
+        with console.capture() as drawn:
+            console.print(table, markup=False)
         return "\n".join(line.rstrip() for line in drawn.get().splitlines())
 
     def write_json(self, document: dict[str, Any]) -> None:
@@ -75,8 +76,11 @@ class Output:
         write_text(Path(self._json_to), text + "\n")
 
 
-def _in_columns(table: DataTable) -> Group:
+def _in_columns(table: DataTable) -> Any:
     """A table for the terminal: the title above, columns of numbers aligned right."""
+    from rich.console import Group
+    from rich.table import Table
+
     drawn = Table(box=None)
     for k, name in enumerate(table.head):
         right = any(not isinstance(row.cells[k], str) for row in table.rows)
@@ -94,6 +98,10 @@ def progress(what: str) -> Iterator[Any]:
         A function to be called with the fraction done, and with other words if they
         change; without a call the bar pulses.
     """
+    # Late, as above: where help is wanted nothing is drawn.
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
     wipe()
     columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
     console = Console(stderr=True)
@@ -112,3 +120,24 @@ def progress(what: str) -> Iterator[Any]:
             bar.update(task, total=1.0, completed=fraction, description=words)
 
         yield show
+
+
+def with_output(verb: Callable[..., None]) -> Callable[..., None]:
+    """A verb that takes an `output`, as one with the options --json and --quiet."""
+    parameters = dict(signature(verb).parameters)
+    if parameters.pop("output", None) is None:
+        return verb
+
+    @wraps(verb)
+    def run(*, json: str | None, quiet: bool, **given: Any) -> None:
+        verb(Output(json, quiet), **given)
+
+    for name, usual, kind in (("json", None, Json), ("quiet", False, Quiet)):
+        parameters[name] = Parameter(
+            name, Parameter.KEYWORD_ONLY, default=usual, annotation=kind
+        )
+    run.__annotations__ = {name: each.annotation for name, each in parameters.items()}
+    vars(run)["__signature__"] = Signature(
+        [each.replace(kind=Parameter.KEYWORD_ONLY) for each in parameters.values()]
+    )
+    return run

@@ -1,7 +1,6 @@
 """A robot in words: its tree of bodies, its wheels and its sensors."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 import numpy as np
 from rich.tree import Tree
@@ -87,17 +86,13 @@ def sensor_lines(robot: Robot) -> Iterator[str]:
     for name, sensor in robot.sensors.declared.items():
         section = sensor.model_dump(by_alias=True, exclude_none=True)
         entries = {"rate": robot.sensors.rate} | section
-        said = (f"{key} {_value(x)}" for key, x in entries.items() if _tells(x))
+        # Zero is what the file leaves out.
+        told = {key: x for key, x in entries.items() if x is not None and np.any(x)}
+        said = (
+            f"{key} {_vector(x)}" if isinstance(x, list | tuple) else f"{key} {x:.4g}"
+            for key, x in told.items()
+        )
         yield f"{name}: {', '.join(said)}"
-
-
-def _tells(value: Any) -> bool:
-    """Zero is what the file leaves out."""
-    return value is not None and bool(np.any(np.asarray(value)))
-
-
-def _value(value: Any) -> str:
-    return _vector(value) if isinstance(value, list | tuple) else f"{value:.4g}"
 
 
 def _body_words(robot: Robot, body: int) -> str:

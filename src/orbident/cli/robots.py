@@ -1,21 +1,19 @@
 """`orbident robots`."""
 
-from orbident.cli.options import Json, Quiet
+import orbident as oi
+from orbident.cli.output import Output
 
 
-def robots(json: Json = None, quiet: Quiet = False) -> None:
+def robots(output: Output) -> None:
     """List the robots that come with Orbident.
 
     Each name can be given wherever a command takes ROBOT.
     """
-    from orbident.cli.output import Output
     from orbident.data_table import table_of
-    from orbident.robot.robot_file import bundled_robots, load_robot
 
-    output = Output(json, quiet)
     entries = []
-    for name in bundled_robots():
-        robot = load_robot(name)
+    for name in oi.bundled_robots():
+        robot = oi.load_robot(name)
         entry = {
             "name": name,
             "motion": robot.motion,

@@ -5,10 +5,13 @@ from typing import Annotated, Literal
 
 import typer
 
-from orbident.cli.options import Force, Json, Quiet
+import orbident as oi
+from orbident.cli.options import Force
+from orbident.cli.output import Output
 
 
 def sample(
+    output: Output,
     trajectory: Annotated[
         Path, typer.Argument(metavar="TRAJ", help="A trajectory file (YAML).")
     ],
@@ -30,28 +33,23 @@ def sample(
         ),
     ] = "table",
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Write a trajectory as samples, for a controller."""
-    from orbident.cli.output import Output
     from orbident.excitation.sampled_trajectory import (
         motion_table,
         sampled,
         write_joint_trajectory,
     )
     from orbident.files.replacing import check_free
-    from orbident.recordings.tables import check_writable, write_recording
-    from orbident.trajectories.trajectory_file import load_trajectory
+    from orbident.recordings.tables import check_writable
 
-    output = Output(json, quiet)
     if format_ == "table":
         check_writable(out)
     check_free(out, force)
-    motion = load_trajectory(trajectory)
+    motion = oi.load_trajectory(trajectory)
     samples = sampled(motion, rate)
     if format_ == "table":
-        write_recording(motion_table(samples), out)
+        oi.write_recording(motion_table(samples), out)
     else:
         write_joint_trajectory(samples, out)
     count = samples.t.size

@@ -5,11 +5,14 @@ from typing import Annotated
 
 import typer
 
+import orbident as oi
 from orbident.choices import SensorNoise
-from orbident.cli.options import Force, Json, Quiet, RobotName
+from orbident.cli.options import Force, NewRecording, RobotName
+from orbident.cli.output import Output, progress
 
 
 def simulate(
+    output: Output,
     robot: RobotName,
     trajectory: Annotated[
         Path,
@@ -18,12 +21,7 @@ def simulate(
             help="A trajectory file (YAML); its 'environment' acts on the robot.",
         ),
     ],
-    out: Annotated[
-        Path,
-        typer.Option(
-            "-o", metavar="REC", help="The recording to write, .csv or .parquet."
-        ),
-    ],
+    out: NewRecording,
     rate: Annotated[
         float | None,
         typer.Option(help="Samples per second, Hz (default: that of the robot file)."),
@@ -45,28 +43,21 @@ def simulate(
         ),
     ] = False,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Simulate a free-floating robot on a trajectory, and record it."""
-    from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_free
-    from orbident.recordings.tables import check_writable, write_recording
+    from orbident.recordings.tables import check_writable
     from orbident.robot.oddities import odd_sensors
-    from orbident.robot.robot_file import load_robot
-    from orbident.simulation.simulate import simulate as simulated
-    from orbident.trajectories.trajectory_file import load_trajectory
 
-    output = Output(json, quiet)
     check_writable(out)
     check_free(out, force)
-    described = load_robot(robot)
-    motion = load_trajectory(trajectory)
+    described = oi.load_robot(robot)
+    motion = oi.load_trajectory(trajectory)
     with progress("floating"):
-        recording = simulated(
+        recording = oi.simulate(
             described, motion, rate=rate, noise=noise, seed=seed, truth=truth
         )
-        write_recording(recording, out)
+        oi.write_recording(recording, out)
     if noise == "sensors":
         output.warn(odd_sensors(described))
     duration = float(recording.t[-1])

@@ -7,8 +7,10 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+import orbident as oi
 from orbident.choices import StudyNoise
-from orbident.cli.options import Force, Json, Quiet, Workers
+from orbident.cli.options import Force, Workers
+from orbident.cli.output import Output, progress
 from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
@@ -33,6 +35,7 @@ RECORDINGS = {
 
 
 def study(
+    output: Output,
     name: Annotated[
         Study,
         typer.Argument(
@@ -76,15 +79,12 @@ def study(
         ),
     ] = None,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Repeat a study of the paper beside the paper's own numbers."""
     from orbident.campaigns.executors import local
-    from orbident.cli.output import Output, progress
+    from orbident.campaigns.seeds import SeedRuns
     from orbident.threads import at_hand
 
-    output = Output(json, quiet)
     if out is not None:
         from orbident.identified.run_folder import check_absent
 
@@ -97,7 +97,7 @@ def study(
     run = _runner(name, method)
     executors = local(min(workers or at_hand(), seeds))
     with progress(f"study {name}") as show:
-        done = run(noise, seeds, seed, progress=show, executors=executors)
+        done = run(noise, SeedRuns(seeds, seed, show, executors))
     if out is not None:
         used_seed = seed if noisy else None
         output.warn(_keep(done, name, out, force, used_seed))
@@ -122,7 +122,7 @@ def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
     if name == "table":
         from orbident.studies.run_table import run_table
 
-        return lambda _, *given, **options: run_table(*given, **options)
+        return lambda _, runs: run_table(runs)
     if name == "control":
         from orbident.studies.control import run_control
 
@@ -175,7 +175,6 @@ def _keep(
     from orbident.extras import MissingLibraryError
     from orbident.files.folder_replacing import replacing_files
     from orbident.files.text import sha256
-    from orbident.identified.run_folder import save_result
 
     unmade = []
     cut_offs = {} if name == "control" else done.cut_offs
@@ -189,7 +188,7 @@ def _keep(
             _draw(done, result, f"Study: {name}", cut_offs, new)
         except MissingLibraryError as refusal:
             unmade.append(f"{refusal}; {out} is kept without its report and pictures")
-        save_result(result, out / RUN, force)
+        oi.save_result(result, out / RUN, force)
     return unmade
 
 
@@ -199,10 +198,7 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
     Returns:
         The path of the recording that was identified from.
     """
-    from orbident.recordings.tables import write_recording
-    from orbident.trajectories.trajectory_file import save_trajectory
-
-    save_trajectory(done.trajectory, folder / TRAJECTORY)
+    oi.save_trajectory(done.trajectory, folder / TRAJECTORY)
     if name != "planar":
         recordings = (done.recording,)
     else:
@@ -212,7 +208,7 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
         write_figures(done.figures, folder)
     files = [folder / f"{file}.csv" for file in RECORDINGS[name]]
     for file, recording in zip(files, recordings, strict=True):
-        write_recording(recording, file)
+        oi.write_recording(recording, file)
     return files[0]
 
 

@@ -5,10 +5,13 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
+import orbident as oi
+from orbident.cli.options import Force, LogFile, Preset
+from orbident.cli.output import Output, progress
 
 
 def topics(
+    output: Output,
     file: LogFile,
     out: Annotated[
         Path | None,
@@ -20,23 +23,18 @@ def topics(
     ] = None,
     preset: Preset = None,
     force: Force = False,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """List what another tool's file holds and propose a topic map."""
-    from orbident.cli.output import Output, progress
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import read_text, write_text
     from orbident.recordings.topics.presets import known_preset, preset_path
     from orbident.recordings.topics.proposal import proposed_map
-    from orbident.recordings.topics.survey import survey_file
 
-    output = Output(json, quiet)
     if out is not None:
         check_free(out, force)
     with progress("reading") as done:
-        surveyed = survey_file(file, done)
+        surveyed = oi.survey_file(file, done)
     if preset is None:
         proposal = proposed_map(surveyed)
     else:

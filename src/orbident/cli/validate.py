@@ -5,24 +5,23 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import orbident as oi
 from orbident.cli.options import (
     End,
-    Json,
-    Quiet,
     RecordingFile,
     RunFolder,
     Start,
     cut_to_times,
 )
+from orbident.cli.output import Output, progress
 
 
 def validate(
+    output: Output,
     run: RunFolder,
     recording: RecordingFile,
     start: Start = None,
     end: End = None,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Predict a recording that was not used, and judge the errors.
 
@@ -31,17 +30,12 @@ def validate(
     """
     import typer
 
-    from orbident.cli.output import Output, progress
     from orbident.files.text import sha256
-    from orbident.identified.run_folder import load_result
-    from orbident.identified.validate import validate as validated
-    from orbident.recordings.tables import read_recording
 
-    output = Output(json, quiet)
-    result = load_result(run)
-    table = cut_to_times(read_recording(recording), start, end)
+    result = oi.load_result(run)
+    table = cut_to_times(oi.read_recording(recording), start, end)
     with progress("predicting"):
-        scores = validated(result, table)
+        scores = oi.validate(result, table)
     output.say(f"{scores.samples} samples predicted by {run}")
     output.say(*scores.summary())
     words = f"{scores.verdict}: {scores.reason}"
@@ -86,13 +80,12 @@ def keep_scores(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
     """Keep the scores in the RUN for its report, where that may be written."""
     import json
 
-    from orbident.errors import InputError
     from orbident.files.replacing import locked
     from orbident.files.text import name_of, sha256, write_text
     from orbident.identified.run_folder import VALIDATION
 
     origin = {"file": name_of(recording), "sha256": sha256(recording)}
-    with suppress(InputError, OSError), locked(run):
+    with suppress(oi.InputError, OSError), locked(run):
         write_text(run / VALIDATION, json.dumps({**origin, **scores}, indent=1))
         return True
     return False

@@ -18,6 +18,7 @@ from orbident.cli.inspect import inspect
 from orbident.cli.live import live
 from orbident.cli.new import new
 from orbident.cli.noise import noise
+from orbident.cli.output import with_output
 from orbident.cli.report import report
 from orbident.cli.robots import robots
 from orbident.cli.sample import sample
@@ -63,7 +64,7 @@ EXAMPLES = {
 """Every verb, in the order of the help, with a command that its help shows."""
 
 for verb, example in EXAMPLES.items():
-    app.command(epilog=f"Example: {example}")(verb)
+    app.command(epilog=f"Example: {example}")(with_output(verb))
 app.add_typer(
     campaign, name="campaign", epilog="Example: orbident campaign spec.yaml -o campaign"
 )

@@ -6,10 +6,11 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.output import Output, progress
 
 
 def view(
+    output: Output,
     shown: Annotated[
         str,
         typer.Argument(
@@ -36,19 +37,15 @@ def view(
     port: Annotated[
         int, typer.Option(help="Port to listen at; 0 for a free one.", min=0, max=65535)
     ] = 8080,
-    json: Json = None,
-    quiet: Quiet = False,
 ) -> None:
     """Show a robot or a recorded motion in the browser.
 
     Ctrl-C ends it.
     """
-    from orbident.cli.output import Output, progress
     from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared
     from orbident.viewer.server import close, keep_moving, open_server
 
-    output = Output(json, quiet)
     with progress("preparing"):
         made = prepared(shown, recording)
         served = open_server(host, port)

@@ -4,29 +4,20 @@ from typing import Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RecordingFile, RobotName
+import orbident as oi
+from orbident.cli.options import RecordingFile, RobotName
+from orbident.cli.output import Output, progress
 
 
-def weigh(
-    robot: RobotName,
-    recording: RecordingFile,
-    json: Json = None,
-    quiet: Quiet = False,
-) -> None:
+def weigh(output: Output, robot: RobotName, recording: RecordingFile) -> None:
     """Find the total mass from a thruster burn with locked joints.
 
     This is the paper's Eq. 40. It needs no angular momentum.
     """
-    from orbident.cli.output import Output, progress
-    from orbident.estimation.weigh import weigh as weighed
-    from orbident.recordings.tables import read_recording
-    from orbident.robot.robot_file import load_robot
-
-    output = Output(json, quiet)
-    described = load_robot(robot)
-    table = read_recording(recording)
+    described = oi.load_robot(robot)
+    table = oi.read_recording(recording)
     with progress("weighing"):
-        weighing = weighed(described, table)
+        weighing = oi.weigh(described, table)
     output.warn(weighing.warnings)
     output.say(*_lines(described.name, weighing))
     output.write_json(weighing.to_json())

@@ -10,7 +10,7 @@ import numpy as np
 
 from orbident.diagnosis.shifts import without
 from orbident.diagnosis.trial import Trial, amended_trial
-from orbident.estimation.levels import chi_square
+from orbident.estimation.changes import same_robot
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
@@ -45,7 +45,7 @@ def event(problem: MomentumProblem) -> Event | None:
         return _apart(apart, "") if apart else None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     after = _part(problem, slice(bad, None), "unknown")
-    same = after.fits and not _differ(before, after)
+    same = after.fits and _same(before, after)
     unclear = not after.fits and problem.initial_momentum == "at-rest"
     if apart:
         # A push through the CM shows in positions alone, which then drift evenly.
@@ -143,13 +143,8 @@ def _part(
     return amended_trial("", known, recording=part)
 
 
-def _differ(one: Trial, other: Trial) -> bool:
-    """Whether base parameters of two parts are those of different robots."""
+def _same(one: Trial, other: Trial) -> bool:
+    """Whether two parts show the same robot."""
     assert one.estimate is not None
     assert other.estimate is not None
-    a, b = one.estimate.parameters.base, other.estimate.parameters.base
-    both = np.flatnonzero(a.determined & b.determined)
-    C = (a.covariance + b.covariance)[np.ix_(both, both)]
-    # With their correlations: all may share a doubt about the scale.
-    apart = chi_square((a.values - b.values)[both], C)
-    return apart.is_no_chance("other parameters")
+    return same_robot(one.estimate, other.estimate)

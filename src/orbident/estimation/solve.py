@@ -9,6 +9,7 @@ from scipy.special import ndtr, ndtri
 
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import EstimatedParameters, Known
+from orbident.estimation.changes import since_the_last_change
 from orbident.estimation.clock_search import MOST, Evidence, evidence
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
@@ -140,13 +141,17 @@ def solve(
         progress(done / 2)
 
     problem, shown = _begun(robot, recording, initial_momentum, estimator, reading)
-    if not isinstance(estimator, OutputError):
-        _check_outside(problem, estimator)
+    _check_outside(problem, estimator)
     # What needs no fit comes first.
     mistaken = [] if shown else provided("plain_mistake")(problem)
-    if shown is None and not (mistaken or obstacles(problem)):
-        problem, shown = evidence(problem, estimator, later)
     hindered = [*mistaken, *obstacles(problem)]
+    if not hindered:
+        parted = _in_parts(problem, estimator, later)
+        if parted is not None:
+            return parted
+        if shown is None:
+            problem, shown = evidence(problem, estimator, later)
+        hindered = obstacles(problem)
     if hindered:
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
@@ -201,6 +206,30 @@ def solved_by(
     return Solved(problem, [], widened(estimate, shown, whole), shown, off)
 
 
+def _in_parts(
+    problem: MomentumProblem, estimator: Estimator, progress: Progress
+) -> Solved | None:
+    """What is estimated where a filter finds changes; None where it finds none.
+
+    Only those count that output error confirms, and it judges what holds since the
+    last of them.
+    """
+    if not isinstance(estimator, Recursive) or not in_whole(problem):
+        return None
+    found = estimator.estimate(problem, lambda _: None).history
+    if found is None or not found.changes:
+        return None
+    changes, last = since_the_last_change(problem, found.changes, progress)
+    # The linear equations, too, are of one robot.
+    whole = replace(problem, fits=last.problem.fits)
+    estimate = replace(estimator, changes=changes).estimate(whole, lambda _: None)
+    if last.shown is None:
+        return None
+    off = difference(estimate.parameters.base, last.shown.parameters.base)
+    wider = widened(estimate, last.shown, whole=True)
+    return Solved(last.problem, [], wider, last.shown, off)
+
+
 def in_whole(problem: MomentumProblem) -> bool:
     """Whether output error fits all samples, and not only the first."""
     return problem.extent is None and problem.samples.t.size <= MOST
@@ -212,6 +241,8 @@ def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
     Raises:
         InputError: it does not go far enough.
     """
+    if isinstance(estimator, OutputError):
+        return
     robot, samples = problem.robot, problem.samples
     acting = [*(robot.disturbances or ())]
     if samples.wrenches:

@@ -55,15 +55,6 @@ class CramerRao(NamedTuple):
     """What the least variances are made of."""
 
 
-def cramer_rao(
-    robot: Robot,
-    trajectory: Trajectory,
-    initial_momentum: InitialMomentum = "unknown",
-) -> EstimatedParameters:
-    """The bound of `pi`, `phi` and the base parameters, as `bound_of` has it."""
-    return bound_of(robot, trajectory, initial_momentum).parameters
-
-
 @one_blas_thread
 def bound_of(
     robot: Robot,

@@ -18,7 +18,7 @@ from jaxtyping import Float
 
 from orbident.choices import Objective
 from orbident.excitation.floating import Gradient, NodalMotion, block
-from orbident.model.dependencies import independent_columns
+from orbident.model.dependencies import independent_columns, random_motion
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
@@ -51,14 +51,10 @@ def random_regressors(
     robot: Robot, sets: MinimalSets
 ) -> tuple[Float[np.ndarray, "n h pi"], Float[np.ndarray, "n v phi"]]:
     """`Y` and `W` over random motion of the base and of the joints that follow none."""
-    random = np.random.default_rng(0)
     free, lead, offset = coupled_joints(robot)
-    n = 4 * len(sets.pi_of_beta)
-    q, qd = random.standard_normal((2, n, len(free))) @ lead.T
-    w = random.standard_normal((n, 3))
-    if len(sets.regressors.momentum_axes) == 1:
-        w[:, :2] = 0.0
-    return sets.regressors(q + offset, qd, w)
+    planar = robot.motion == "planar"
+    q, qd, w = random_motion(4 * len(sets.pi_of_beta), len(free), planar)
+    return sets.regressors(q @ lead.T + offset, qd @ lead.T, w)
 
 
 class LogValue(NamedTuple):

@@ -25,6 +25,7 @@ from orbident.excitation.search import (
     SearchSpace,
     search,
 )
+from orbident.files.json_parts import nulled
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.robot.passive_joints import require_measured
@@ -152,10 +153,10 @@ def design_excitation(
     best = min([*optima, by_chance], key=lambda each: each.value)
     made = {
         "objective": objective,
-        "value": _finite(best.value),
-        "searched_value": _finite(best.searched),
+        "value": nulled(best.value),
+        "searched_value": nulled(best.searched),
         "harmonics": best.proven.trajectory.a.shape[1],
-        "best_random_start": _finite(by_chance.value),
+        "best_random_start": nulled(by_chance.value),
         "price_of_random_start": by_chance.scores.price,
         "uncertainty": uncertainty,
         "seed": seed,
@@ -308,25 +309,21 @@ def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:
     for k, name in enumerate(robot.joint_names):
         entries[name] = {
             "position": joints.position[k].tolist(),
-            "position_limit": [_finite(x) for x in limits.position[k]],
+            "position_limit": [nulled(x) for x in limits.position[k]],
             "velocity": float(joints.velocity[k]),
-            "velocity_limit": _finite(limits.velocity[k]),
+            "velocity_limit": nulled(limits.velocity[k]),
             "acceleration": float(joints.acceleration[k]),
-            "acceleration_limit": _finite(limits.acceleration[k]),
+            "acceleration_limit": nulled(limits.acceleration[k]),
         }
     of_base = {}
     for name in ("rate", "excursion", "wheel_speed"):
         limit = limits.base_rate if name == "rate" else getattr(limits, name)
-        of_base[name] = _finite(getattr(base, name))
-        of_base[f"{name}_limit"] = _finite(limit)
+        of_base[name] = nulled(getattr(base, name))
+        of_base[f"{name}_limit"] = nulled(limit)
     if base.table:
-        of_base["table"] = [_finite(side) for side in base.table]
-        of_base["table_limit"] = [_finite(side) for side in limits.table]
+        of_base["table"] = [nulled(side) for side in base.table]
+        of_base["table_limit"] = [nulled(side) for side in limits.table]
     return {"amplitude_kept": proven.share, "proven": {"joints": entries, **of_base}}
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def _check(

@@ -213,7 +213,10 @@ def _carried(robot: Robot, joints: Extremes) -> _Carried:
 
 
 def _norms(robot: Robot, joints: Extremes, carried: _Carried) -> _Norms:
-    m, spread = np.abs(robot.theta[1:, MASS]), _spread(robot.theta[1:])
+    m, I = np.abs(robot.theta[1:, MASS]), robot.theta[1:, INERTIA]
+    # Root of `integral |rho|^2 dm = tr I / 2`, about the body's origin.
+    diagonal = [row == column for row, column in INERTIA_ENTRIES]
+    spread = np.sqrt(np.abs(I[:, diagonal].sum(axis=1)) / 2)
     root, (d, v, a, w, alpha) = np.sqrt(m), (each[1:] for each in carried)
     # |c| <= sqrt(m_links) |r| / M takes r from the base's CM to that of the system.
     to_cm = 1 + m.sum() / robot.mass
@@ -227,12 +230,6 @@ def _norms(robot: Robot, joints: Extremes, carried: _Carried) -> _Norms:
         h=float(NJ @ joints.velocity),
         n=float(NJ @ (joints.acceleration + carrier * joints.velocity)),
     )
-
-
-def _spread(theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " bodies"]:
-    """Root of `integral |rho|^2 dm = tr I / 2`, about the body's origin."""
-    diagonal = [row == column for row, column in INERTIA_ENTRIES]
-    return np.sqrt(np.abs(theta[:, INERTIA][:, diagonal].sum(axis=1)) / 2)
 
 
 ACCURATE = 1e-6
@@ -323,13 +320,7 @@ def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
     Raises:
         InputError: the base turns too fast for an accurate attitude.
     """
-    initial = trajectory.initial
-    start = BaseState(
-        initial.angular_velocity,
-        initial.attitude,
-        initial.velocity,
-        initial.wheel_speeds(robot.wheel_names),
-    )
+    start = BaseState.of(trajectory.initial, robot)
     t = np.linspace(0.0, trajectory.duration, NODES)
     return free_floating(robot, trajectory.motion, t, start, ACCURATE)
 

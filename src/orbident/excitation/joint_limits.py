@@ -93,13 +93,6 @@ class JointMotions(NamedTuple):
         harmonics = ab.shape[1] // 2
         return ab[:, :harmonics], ab[:, harmonics:]
 
-    def coordinates(
-        self, a: Float[np.ndarray, "joints N_f"], b: Float[np.ndarray, "joints N_f"]
-    ) -> Float[np.ndarray, "free m"]:
-        """`y` of the nearest motion in the space."""
-        ab = np.concatenate([a, b], axis=1)[self.coupled.free] / self.scale[:, None]
-        return ab @ np.linalg.pinv(self.ab_of_y).T
-
 
 def joint_motions(
     start: Float[np.ndarray, "joints 3"],

@@ -123,7 +123,9 @@ class OutsideChanges:
 
     def __init__(self, motion: NodalMotion) -> None:
         """Along a motion at an odd number of nodes."""
-        self._scale = motion_scale(motion)
+        t = motion.dt * np.arange(len(motion.w))
+        robot = motion.craft.robot
+        self._scale = scale_of(robot, t, motion.qd_rw, motion.w, motion.v_S)
         self._at = at = _robot_motion(motion, self._scale)
         allowed = {group: each for group, each in at.allowed.items() if each.size}
         groups = {*allowed} | {STEADY[group] for group in allowed.keys() & STEADY}
@@ -252,12 +254,6 @@ def _add_scale_v(f: Gradient, by: float) -> None:
     own += by * motion.v_S[:, axes, None] * (motion.W @ phi)[:, None]
     by_W = rotate_back(motion.R, by * motion.v_S)[:, axes]
     f.W += by_W[:, :, None] * phi
-
-
-def motion_scale(motion: NodalMotion) -> Scale:
-    """How large a motion is."""
-    t = motion.dt * np.arange(len(motion.w))
-    return scale_of(motion.craft.robot, t, motion.qd_rw, motion.w, motion.v_S)
 
 
 def _robot_motion(motion: NodalMotion, scale: Scale) -> RobotMotion:

@@ -12,7 +12,8 @@ from orbident.recordings.recording import Recording
 from orbident.simulation.simulate import sample_times
 from orbident.trajectories.trajectory import Trajectory
 
-NANOSECONDS = 1_000_000_000
+SECOND = 1_000_000_000
+"""ns."""
 
 
 class SampledTrajectory(NamedTuple):
@@ -65,10 +66,12 @@ def write_joint_trajectory(samples: SampledTrajectory, path: Path) -> None:
             "velocities": qd.tolist(),
             "accelerations": qdd.tolist(),
             "effort": [],
-            "time_from_start": _duration(t),
+            "time_from_start": {"sec": ns // SECOND, "nanosec": ns % SECOND},
         }
-        for t, q, qd, qdd in zip(
-            samples.t, samples.q, samples.qd, samples.qdd, strict=True
+        for ns, q, qd, qdd in zip(
+            np.round(samples.t * SECOND).astype(int).tolist(),
+            *(samples.q, samples.qd, samples.qdd),
+            strict=True,
         )
     ]
     message: dict[str, Any] = {
@@ -77,8 +80,3 @@ def write_joint_trajectory(samples: SampledTrajectory, path: Path) -> None:
         "points": points,
     }
     write_text(path, yaml.safe_dump(message, sort_keys=False, default_flow_style=None))
-
-
-def _duration(t: float) -> dict[str, int]:
-    total = round(float(t) * NANOSECONDS)
-    return {"sec": total // NANOSECONDS, "nanosec": total % NANOSECONDS}

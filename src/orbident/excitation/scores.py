@@ -94,26 +94,29 @@ def scores_of(
     W = np.concatenate([W_hat(m, basis.phi_of, v) for m, _ in seen])
     sensing = sensing_of(robot, sets) if weights_of(robot.sensors) else None
     F = None if sensing is None else _sum(sensing, seen)
-    F = None if F is None or not _determined(F) else F
+    if F is not None:
+        eigenvalues = np.linalg.eigvalsh(F)
+        F = F if eigenvalues[0] > DETERMINED * eigenvalues[-1] else None
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
-    price = None
-    if F is not None and sensing is not None and whole and sensing.acting:
-        alone = _sum(replace(sensing, acting=False), seen)
-        growth = _std(sensing.beta_of, F) / _std(sensing.beta_of, alone)
-        price = float(np.exp(np.log(growth).mean()))
+    price = deviations = None
+    if F is not None and sensing is not None and whole:
+        beta, pi, phi = (
+            _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
+        )
+        deviations = Bounds(float(beta[0]), pi, phi)
+        if sensing.acting:
+            alone = _sum(replace(sensing, acting=False), seen)
+            growth = beta / _std(sensing.beta_of, alone)
+            price = float(np.exp(np.log(growth).mean()))
     return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
         cond_W=_condition(W),
         cond_W_normalised=_condition(W / _norms(W)),
-        d=None if F is None else _value("d", F),
-        a=None if F is None else _value("a", F),
-        e=None if F is None else _value("e", F),
+        **{name: None if F is None else _value(name, F) for name in ("d", "a", "e")},
         price=price,
-        deviations=_deviations(sensing, F)
-        if F is not None and sensing is not None and whole
-        else None,
+        deviations=deviations,
     )
 
 
@@ -171,18 +174,6 @@ def _value(objective: Objective, F: Float[np.ndarray, "n n"]) -> float:
     return float(np.exp(log_criterion(objective, spectrum_of(F).l, 1.0).exact))
 
 
-def _determined(F: Float[np.ndarray, "u u"]) -> bool:
-    eigenvalues = np.linalg.eigvalsh(F)
-    return bool(eigenvalues[0] > DETERMINED * eigenvalues[-1])
-
-
-def _deviations(sensing: Sensing, F: Float[np.ndarray, "u u"]) -> Bounds:
-    beta, pi, phi = (
-        _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
-    )
-    return Bounds(float(beta[0]), pi, phi)
-
-
 def _std(
     J: Float[np.ndarray, "some u"], F: Float[np.ndarray, "u u"]
 ) -> Float[np.ndarray, " some"]:
@@ -238,16 +229,12 @@ def compare_trajectories(
             if std is None
             else np.concatenate([[std.mass], std.pi, std.phi])
         )
+    ends = [(*each[:1], *each[1:][-1:]) for each in experiments]
     return Scorecard(
-        sources=tuple(_source(each) for each in experiments),
+        sources=tuple(" to ".join(motion.source for motion in each) for each in ends),
         scores=tuple(scores),
         parameters=tuple(names),
         nominal=np.concatenate([[robot.mass], pi, phi]),
         deviations=np.array(deviations),
         tables=tuple(tables),
     )
-
-
-def _source(trajectories: Sequence[Trajectory]) -> str:
-    first, last = trajectories[0].source, trajectories[-1].source
-    return first if len(trajectories) == 1 else f"{first} to {last}"

@@ -81,11 +81,8 @@ def _problem(detail: ErrorDetails) -> str:
         return str(cause)
     expected = detail["msg"].removeprefix("Input should be ")
     remedy = cause or _REMEDIES.get(detail["type"], f"give {expected}")
-    return f"found {_found(detail['input'])}; {remedy}"
-
-
-def _found(value: object) -> str:
-    return "nothing" if value is None else quoted(value)
+    found = "nothing" if detail["input"] is None else quoted(detail["input"])
+    return f"found {found}; {remedy}"
 
 
 @cache

@@ -90,8 +90,10 @@ def robot_header(
         arrays.append(_list("orbident_wheel", "WHEEL", map(_wheel, robot.wheels)))
     body = "\n".join(arrays)
     sparse = {name: _sparse(name, tables) for name in SPARSE}
+    # A number of this table, at least 1, that a float holds exactly.
+    mark = 1 + zlib.crc32(f"{robot.name}\n{body}".encode()) % (2**24 - 1)
     fields = [
-        f"{_mark(robot, body)}L, {joints}, {wheels}",
+        f"{mark}L, {joints}, {wheels}",
         f"{'ROBOT_JOINT' if joints else '0'}, {'ROBOT_WHEEL' if wheels else '0'}",
         f"{sparse['theta_of_linear']}, {sparse['theta_of_sigma']}",
         f"ROBOT_PRODUCT, {len(tables['product']) // 2}, {sparse['theta_of_beta']}",
@@ -155,11 +157,6 @@ def _meaning(robot: Robot, kalman: Extended) -> list[str]:
     lines = (" = ".join(dict.fromkeys(pair)) for pair in pairs)
     # No name of a body may end the comment.
     return [f"/*   {line.replace('*/', '* /')} */" for line in lines]
-
-
-def _mark(robot: Robot, body: str) -> int:
-    """A number of this table, at least 1, that a float holds exactly."""
-    return 1 + zlib.crc32(f"{robot.name}\n{body}".encode()) % (2**24 - 1)
 
 
 def _joint(joint: Joint) -> str:

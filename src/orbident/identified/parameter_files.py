@@ -8,7 +8,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,9 @@ def parameters_as_csv(result: Result) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for name in SETS:
-        found = getattr(result, name)
-        for k, parameter in enumerate(found.names):
-            numbers = (found.values[k], found.std[k], found.nominal[k])
-            cells = ["" if math.isnan(x) else repr(float(x)) for x in numbers]
-            row = (name, parameter, *cells, found.units[k], found.formulas[k])
-            writer.writerow(row)
+        for parameter, numbers, unit, formula in _parameters(getattr(result, name)):
+            cells = ["" if math.isnan(x) else repr(x) for x in numbers]
+            writer.writerow((name, parameter, *cells, unit, formula))
     return text.getvalue()
 
 
@@ -66,15 +63,23 @@ def parameters_as_latex(result: Result) -> str:
         r"parameter & estimate & std & nominal & unit \\",
     ]
     for name in SETS:
-        found = getattr(result, name)
         lines.append(r"\hline")
-        for k, parameter in enumerate(found.names):
-            std = float(found.std[k])
-            numbers = (found.values[k], std, found.nominal[k])
-            cells = [_rounded(float(x), std) for x in numbers]
-            row = [_symbol(parameter), *cells, _unit(found.units[k])]
+        for parameter, numbers, unit, _ in _parameters(getattr(result, name)):
+            cells = [_rounded(x, numbers[1]) for x in numbers]
+            unit = unit.replace(" ", r"\,").replace("^2", "$^2$")
+            row = [_symbol(parameter), *cells, unit]
             lines.append(" & ".join(row) + r" \\")
     return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
+
+
+def _parameters(
+    found: EstimatedSet,
+) -> Iterator[tuple[str, tuple[float, ...], str, str]]:
+    """Name, estimate with deviation and nominal value, unit and formula of each."""
+    numbers = np.column_stack([found.values, found.std, found.nominal]).tolist()
+    return zip(
+        found.names, map(tuple, numbers), found.units, found.formulas, strict=True
+    )
 
 
 def _rounded(x: float, std: float) -> str:
@@ -90,10 +95,6 @@ def _symbol(parameter: str) -> str:
     r"""`sigma_1` as `\sigma_{1}`; the mass `M` has no number."""
     letter, _, number = parameter.partition("_")
     return rf"$\{letter}_{{{number}}}$" if number else f"${letter}$"
-
-
-def _unit(unit: str) -> str:
-    return unit.replace(" ", r"\,").replace("^2", "$^2$")
 
 
 SCHEMA = "orbident/matrices/1"

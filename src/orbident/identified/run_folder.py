@@ -285,15 +285,12 @@ def _names(folder: Path) -> set[str] | None:
     if not folder.is_dir():
         return None
     names = {path.name for path in folder.iterdir() if UNFINISHED not in path.name}
-    if names <= set(OURS) or is_unfinished(folder) or _is_result(folder / RESULT):
+    # A result of any version, complete or cut off.
+    result, family = folder / RESULT, SCHEMA.rpartition("/")[0].encode()
+    ours = result.is_file() and family in result.read_bytes()
+    if names <= set(OURS) or is_unfinished(folder) or ours:
         return names
     return None
-
-
-def _is_result(path: Path) -> bool:
-    """Whether a file is a result of ours, of any version, complete or cut off."""
-    family = SCHEMA.rpartition("/")[0].encode()
-    return path.is_file() and family in path.read_bytes()
 
 
 def _check_above(folder: Path) -> None:

@@ -8,11 +8,11 @@ bodies. There is none in Basilisk for other trees.
 """
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.metadata import version
 from importlib.resources import files
 from pprint import pformat
-from typing import Any
+from typing import Any, SupportsFloat
 
 import numpy as np
 from jaxtyping import Float
@@ -32,7 +32,7 @@ from orbident.identified.exported_robot import (
 from orbident.identified.urdf_export import add_comment
 from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Joint, Robot
-from orbident.robot.formats.urdf_text import roll_pitch_yaw
+from orbident.robot.formats.urdf_text import roll_pitch_yaw, spaced
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
@@ -65,7 +65,7 @@ def mjcf(robot: Mechanism) -> str:
     base = ET.SubElement(ET.SubElement(root, "worldbody"), "body", name=robot.bodies[0])
     _add_root_joints(base, robot)
     _add_inertial(base, robot.theta[0])
-    ET.SubElement(base, "site", name=FEATURE_POINT, pos=_text(robot.feature_point))
+    ET.SubElement(base, "site", name=FEATURE_POINT, pos=spaced(robot.feature_point))
     bodies = [base]
     for name, joint, theta, armature in zip(
         robot.bodies[1:], robot.joints, robot.theta[1:], robot.armature, strict=True
@@ -78,7 +78,7 @@ def mjcf(robot: Mechanism) -> str:
             "joint",
             joint1=follower,
             joint2=leader,
-            polycoef=_text([offset, factor, 0, 0, 0]),
+            polycoef=spaced([offset, factor, 0, 0, 0]),
         )
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -100,12 +100,16 @@ def _add_root_joints(base: ET.Element, robot: Mechanism) -> None:
 
 def _body(parent: ET.Element, name: str, joint: Joint, armature: float) -> ET.Element:
     x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
-    body = ET.SubElement(parent, "body", name=name, pos=_text(joint.p_PJ), quat=x)
+    body = ET.SubElement(parent, "body", name=name, pos=spaced(joint.p_PJ), quat=x)
     about = ET.SubElement(
-        body, "joint", name=joint.name, type=KINDS[joint.kind], axis=_text(joint.axis)
+        body,
+        "joint",
+        name=joint.name,
+        type=KINDS[joint.kind],
+        axis=spaced(joint.axis),
     )
     if joint.position is not None:
-        about.set("range", _text(joint.within(LARGEST)))
+        about.set("range", spaced(joint.within(LARGEST)))
     if armature:
         about.set("armature", repr(armature))
     return body
@@ -119,19 +123,15 @@ def _add_inertial(body: ET.Element, theta: Float[np.ndarray, "10"]) -> None:
     ET.SubElement(
         body,
         "inertial",
-        pos=_text(theta[FIRST_MOMENT] / theta[MASS]),
+        pos=spaced(theta[FIRST_MOMENT] / theta[MASS]),
         quat=_scalar_first(x),
-        mass=_text([theta[MASS]]),
-        diaginertia=_text(moments),
+        mass=spaced([theta[MASS]]),
+        diaginertia=spaced(moments),
     )
 
 
 def _scalar_first(x: Float[np.ndarray, "4"]) -> str:
-    return _text(np.roll(x, 1))
-
-
-def _text(numbers: object) -> str:
-    return " ".join(repr(float(x)) for x in np.asarray(numbers))
+    return spaced(np.roll(x, 1))
 
 
 VERSION = "1.7"
@@ -196,9 +196,8 @@ def _add_joint(
         _add(limit, "velocity", [joint.velocity])
 
 
-def _add(parent: ET.Element, tag: str, numbers: object) -> None:
-    words = (repr(float(x)) for x in np.asarray(numbers))
-    ET.SubElement(parent, tag).text = " ".join(words)
+def _add(parent: ET.Element, tag: str, numbers: Iterable[SupportsFloat]) -> None:
+    ET.SubElement(parent, tag).text = spaced(numbers)
 
 
 HEAD = '''\

@@ -23,6 +23,7 @@ from orbident.robot.parameters import (
     MASS,
     PER_BODY,
     SYMBOLS,
+    inertia_matrix,
 )
 
 
@@ -253,10 +254,7 @@ def impossible(
 
 
 def _flat(I_com: Float[np.ndarray, "6"], C: Float[np.ndarray, "6 6"]) -> str | None:
-    I = np.zeros((3, 3))
-    for value, (a, b) in zip(I_com, INERTIA_ENTRIES, strict=True):
-        I[a, b] = I[b, a] = value
-    moments, axes = np.linalg.eigh(I)
+    moments, axes = np.linalg.eigh(inertia_matrix(np.append(np.zeros(4), I_com)))
     v = axes[:, -1]
     g = np.array(
         [0.5 - v[a] ** 2 if a == b else -2 * v[a] * v[b] for a, b in INERTIA_ENTRIES]

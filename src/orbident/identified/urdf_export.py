@@ -11,6 +11,7 @@ from orbident.files.schema_parts import validated
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotor_momentum import lacking_rotors
 from orbident.robot.description import Robot
+from orbident.robot.formats.urdf_text import inertial_element
 from orbident.robot.fusing import Placement, fused
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -108,7 +109,10 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         # Explicit zeros: where there is no inertial, MuJoCo weighs the geometry.
         carries = name in robot.bodies
         theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
-        link.insert(0, _inertial(theta_link))
+        m = theta_link[MASS]
+        com = theta_link[FIRST_MOMENT] / (m or 1.0)
+        I = inertia_about_com(theta_link) if m else np.zeros((3, 3))
+        link.insert(0, inertial_element(m, com, I))
     add_comment(root, lacking_rotors(robot, NO_ROTORS))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
@@ -121,20 +125,6 @@ def add_comment(root: ET.Element, words: str) -> None:
     if words:
         # XML allows no two hyphens there.
         root.insert(0, ET.Comment(f" {words.replace('--', '- -')} "))
-
-
-def _inertial(theta_i: Float[np.ndarray, "10"]) -> ET.Element:
-    inertial = ET.Element("inertial")
-    mass = theta_i[MASS]
-    com = theta_i[FIRST_MOMENT] / (mass or 1.0)
-    I = inertia_about_com(theta_i) if mass else np.zeros((3, 3))
-    ET.SubElement(inertial, "origin", xyz=" ".join(repr(float(x)) for x in com))
-    ET.SubElement(inertial, "mass", value=repr(float(mass)))
-    entries = {f"i{'xyz'[a]}{'xyz'[b]}": I[a, b] for a in range(3) for b in range(a, 3)}
-    ET.SubElement(
-        inertial, "inertia", {name: repr(float(x)) for name, x in entries.items()}
-    )
-    return inertial
 
 
 def _check_read_back(

@@ -137,8 +137,11 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
         verdict = "not explained" if missed**2 > MISSED else "not judged"
         reason = f"of itself the recording is refused: {own.refusal()}"
         return replace(scores, verdict=verdict, reason=reason)
-    noise = {} if thrust else _noise(own, recording)
-    return replace(_compared(result, own, scores), noise=noise)
+    scores = _compared(result, own, scores)
+    complete = np.isfinite([*own.pi.values, *own.phi.values]).all()
+    if thrust or not complete:
+        return scores
+    return replace(scores, noise=scored(own, recording).rms)
 
 
 def _unscored(recording: Recording) -> Validation:
@@ -153,11 +156,6 @@ def _unscored(recording: Recording) -> Validation:
         verdict="not judged",
         reason="",
     )
-
-
-def _noise(own: Result, recording: Recording) -> dict[str, float]:
-    complete = np.isfinite([*own.pi.values, *own.phi.values]).all()
-    return scored(own, recording).rms if complete else {}
 
 
 def _compared(result: Result, own: Result, scores: Validation) -> Validation:

@@ -124,7 +124,7 @@ class Columns:
 
     def at(self, motion: "RandomMotion") -> "MomentumColumns":
         """What all columns are made of, in some motion."""
-        at = momentum_regressors(self.robot, motion.q, motion.qd, motion.w)
+        at = momentum_regressors(self.robot, *motion)
         of_sigma = self._sparse_theta_of[:, self.sigma]
         return MomentumColumns(
             A=_times(at.A[:, self.axes], self._sparse_theta_of),
@@ -147,13 +147,31 @@ def _times(
     return (X.reshape(n * k, size) @ Y).reshape(n, k, -1)
 
 
-@dataclass(frozen=True)
-class RandomMotion:
+class RandomMotion(NamedTuple):
     """Samples of random motion."""
 
     q: Float[np.ndarray, "n joints"]
     qd: Float[np.ndarray, "n joints"]
     w: Float[np.ndarray, "n 3"]
+
+
+def random_motion(
+    n: int, joints: int, planar: bool, random: np.random.Generator | None = None
+) -> RandomMotion:
+    """Motion that has nothing special about it.
+
+    Args:
+        n: how many samples.
+        joints: how many joints.
+        planar: whether the base turns about z alone.
+        random: where numbers come from; always the same ones where it is None.
+    """
+    random = random or np.random.default_rng(0)
+    q, qd = random.standard_normal((2, n, joints))
+    w = random.standard_normal((n, 3))
+    if planar:
+        w[:, :2] = 0.0
+    return RandomMotion(q, qd, w)
 
 
 @dataclass(frozen=True)
@@ -244,9 +262,5 @@ def _by_rate_of(
 def _any_motion(
     columns: Columns, unknowns: int, random: np.random.Generator
 ) -> RandomMotion:
-    n = int(SPARE * unknowns / len(columns.axes)) + FEWEST
-    q, qd = random.standard_normal((2, n, len(columns.robot.joints)))
-    w = random.standard_normal((n, 3))
-    if columns.robot.motion == "planar":
-        w[:, :2] = 0.0
-    return RandomMotion(q, qd, w)
+    robot, n = columns.robot, int(SPARE * unknowns / len(columns.axes)) + FEWEST
+    return random_motion(n, len(robot.joints), robot.motion == "planar", random)

@@ -57,8 +57,9 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     sigmas, iotas = sets.base.sigmas, sets.iotas
     names = ["M", *_numbered("sigma", sigmas), *_numbered("iota", iotas)]
     base = combinations(T, standard)
-    phi = tuple(_quotient(formula) for formula in base[1 : 1 + sigmas])
-    products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
+    phi = tuple(f"({x})/M" if " " in x else f"{x}/M" for x in base[1 : 1 + sigmas])
+    pairs = [(names[1 + a], names[1 + b]) for a, b in sets.pairs]
+    products = [f"{a}^2/M" if a == b else f"{a} {b}/M" for a, b in pairs]
     linear = csr_array(sets.pi_of_beta) @ T
     both = csr_array(hstack([linear, sets.pi_of_products]))
     pi = combinations(both, [*standard, *products])
@@ -110,14 +111,6 @@ def mass_forms(
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:
     return tuple(f"{name}_{k}" for k in range(1, count + 1))
-
-
-def _quotient(formula: str) -> str:
-    return f"({formula})/M" if " " in formula else f"{formula}/M"
-
-
-def _product(a: str, b: str) -> str:
-    return f"{a}^2/M" if a == b else f"{a} {b}/M"
 
 
 # The projector on what is seen has 1 on the diagonal where a parameter is seen alone.

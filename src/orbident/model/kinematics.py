@@ -20,6 +20,13 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY, cross_matrix
 from orbident.threads import processors
 
+JointState = tuple[
+    Float[np.ndarray, "n joints"],
+    Float[np.ndarray, "n joints"],
+    Float[np.ndarray, "n joints"],
+]
+"""Positions, rates and accelerations of joints at some times, rad or m, and s."""
+
 
 class Poses(NamedTuple):
     """Where every body is, and the motion that a unit rate of each joint causes.
@@ -141,16 +148,3 @@ def inertia(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Inertia:
 def inertia_at(robot: Robot, q: Float[np.ndarray, " joints"]) -> Inertia:
     """The same at one configuration; no leading axis."""
     return Inertia(*(part[0] for part in inertia(robot, q[None])))
-
-
-class Masses(NamedTuple):
-    """Mass, first moment and inertia of some bodies about S, base axes."""
-
-    m: Float[np.ndarray, "n bodies"]
-    s: Float[np.ndarray, "n bodies 3"]
-    J: Float[np.ndarray, "n bodies 3 3"]
-
-
-def carried_about_S(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Masses:
-    """The composite of each body: itself and all bodies that it carries."""
-    return Masses(*_core.masses(core_robot(robot), np.ascontiguousarray(q), True))

@@ -25,8 +25,16 @@ from scipy.sparse import csr_array
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
-from orbident.model.dependencies import Columns, dependencies, independent_columns
-from orbident.model.kinematics import MomentumRegressors, momentum_regressors
+from orbident.model.dependencies import (
+    Columns,
+    dependencies,
+    independent_columns,
+    random_motion,
+)
+from orbident.model.kinematics import (
+    JointState,
+    momentum_regressors,
+)
 from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
@@ -78,11 +86,7 @@ class Regressors(NamedTuple):
 
     def momentum_rate(
         self,
-        joints: tuple[
-            Float[np.ndarray, "n joints"],
-            Float[np.ndarray, "n joints"],
-            Float[np.ndarray, "n joints"],
-        ],
+        joints: JointState,
         w: Float[np.ndarray, "n 3"],
         pi: Float[np.ndarray, " pi"],
     ) -> Float[np.ndarray, "n h"]:
@@ -203,7 +207,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
         _refuse(robot, f"has {len(robot.joints)} joints")
     axes_h, axes_v = conserved_axes(robot)
     samples = 2 * PER_BODY * len(robot.bodies)
-    at = _random_momentum(robot, -(-samples // len(axes_h)))
+    n, planar = -(-samples // len(axes_h)), robot.motion == "planar"
+    at = momentum_regressors(robot, *random_motion(n, len(robot.joints), planar))
     base = _base_parameters(robot, _rows(at.P, axes_v), _rows(at.A, axes_h))
 
     sigma = slice(1, 1 + base.sigmas)
@@ -277,17 +282,6 @@ def _first_that_span(
     columns = np.concatenate([kept, left_out[which]])
     T = csr_array((values, (rows, columns)), shape=(len(kept), len(zero)))
     return kept, T[:, :betas].toarray(), T[:, betas:]
-
-
-def _random_momentum(robot: Robot, samples: int) -> MomentumRegressors:
-    """The regressors over motion that has nothing special about it."""
-    random = np.random.default_rng(0)
-    joints = len(robot.joints)
-    q, qd = random.standard_normal((2, samples, joints))
-    w = random.standard_normal((samples, 3))
-    if robot.motion == "planar":
-        w[:, :2] = 0.0
-    return momentum_regressors(robot, q, qd, w)
 
 
 def _rows(

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.model.dependencies import random_motion
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import axis_rotation
 
@@ -146,14 +147,10 @@ def paper_basis(sets: MinimalSets, columns: Columns) -> PaperBasis:
     Raises:
         InputError: the robot is not the paper's: its regressors span another space.
     """
-    random = np.random.default_rng(0)
-    joints = sets.regressors.joints
-    q, qd = random.standard_normal((2, SAMPLES, joints))
-    w = random.standard_normal((SAMPLES, 3))
-    if len(sets.regressors.momentum_axes) == 1:
-        w[:, :2] = 0.0
-    Y, W = sets.regressors(q, qd, w)
-    samples = [columns(*state) for state in zip(q, qd, w, strict=True)]
+    planar = len(sets.regressors.momentum_axes) == 1
+    motion = random_motion(SAMPLES, sets.regressors.joints, planar)
+    Y, W = sets.regressors(*motion)
+    samples = [columns(*state) for state in zip(*motion, strict=True)]
     paper = PaperColumns(*(np.array(part) for part in zip(*samples, strict=True)))
     phi = _coordinates(paper.W, np.concatenate([W, -paper.x[:, :, None]], axis=2))
     return PaperBasis(_coordinates(paper.Y, Y), phi[:, :-1], phi[:, -1])

@@ -7,11 +7,12 @@ from typing import NoReturn
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.errors import InputError
 from orbident.files.names import joined
-from orbident.model.core_robot import KEPT
+from orbident.model.core_robot import KEPT, core_robot
 from orbident.model.equations_of_motion import equations_of_motion, movable
-from orbident.model.kinematics import carried_about_S, inertia
+from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
 
 SINGULAR = 1e-12
@@ -51,7 +52,7 @@ def _sizes(
     robot: Robot, q: Float[np.ndarray, " joints"]
 ) -> tuple[float, Float[np.ndarray, " joints"]]:
     """What the diagonal of base and joints is made of, before anything cancels."""
-    m, _, J = (part[0] for part in carried_about_S(robot, q[None]))
+    m, _, J = (part[0] for part in _core.masses(core_robot(robot), q[None], True))
     spread = np.trace(J, axis1=1, axis2=2)
     turns = np.array([joint.kind == "revolute" for joint in robot.joints], dtype=bool)
     return float(spread[0]), np.where(turns, spread[1:], m[1:])

@@ -8,7 +8,7 @@ import csv
 import io
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
@@ -268,15 +268,28 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
     Raises:
         InputError: The header is missing or refused, or a cell is not a number.
     """
-    dialect = _checked_dialect(path)
-    lines, start = csv_lines(path), 0
-    columns = {name: np.empty(lines) for name in dialect.names}
-    for batch in csv_batches(path):
+    names = _checked_dialect(path).names
+    columns = joined_batches(names, csv_lines(path), csv_batches(path))
+    pa.default_memory_pool().release_unused()
+    return columns
+
+
+def joined_batches(
+    names: Iterable[str], most: int, batches: Iterable[Mapping[str, np.ndarray]]
+) -> dict[str, np.ndarray]:
+    """Every column of a table whose rows come in batches.
+
+    Args:
+        names: of the columns, `t` among them.
+        most: rows that there may be.
+        batches: some rows of every column each.
+    """
+    columns, start = {name: np.empty(most) for name in names}, 0
+    for batch in batches:
         rows = slice(start, start + batch["t"].size)
         for name, values in batch.items():
             columns[name][rows] = values
         start = rows.stop
-    pa.default_memory_pool().release_unused()
     return {name: values[:start] for name, values in columns.items()}
 
 

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from orbident import _core
 from orbident.recordings.columns import is_known
@@ -197,16 +196,12 @@ def _reach(table: Columns, rows: slice, beside: Callable[[str], int]) -> int:
     """How many rows hold enough samples of all columns; 0 if no `FARTHEST` rows do."""
     reach = 0
     for name, x in table.items():
-        seen = np.flatnonzero(_seen(x[rows][:FARTHEST]))
+        seen = np.flatnonzero(~np.isnan(x[rows][:FARTHEST]))
         wanted = beside(name)
         if seen.size < wanted:
             return 0
         reach = max(reach, int(seen[wanted - 1]) + 1)
     return reach
-
-
-def _seen(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-    return ~np.isnan(x)
 
 
 def _joined(parts: list[Columns]) -> Columns:

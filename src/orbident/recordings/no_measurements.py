@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.files.names import counted
 from orbident.recordings.columns import VECTORS, is_known
 
 SURROUNDINGS = ("nadir", "flow", "sun", "field")
@@ -60,7 +61,7 @@ def reasons_in_words(reasons: Mapping[str, int]) -> list[str]:
     said = []
     for reason, count in reasons.items():
         noun, space, rest = reason.partition(" ")
-        said.append(f"{count} {noun}{'' if count == 1 else 's'}{space}{rest}")
+        said.append(f"{counted(count, noun)}{space}{rest}")
     return said
 
 

@@ -21,7 +21,12 @@ from orbident.files.names import quoted
 from orbident.files.replacing import replacing
 from orbident.files.text import refuse_pipe
 from orbident.recordings.columns import check_names, is_known
-from orbident.recordings.csv_table import csv_batches, csv_lines, read_csv
+from orbident.recordings.csv_table import (
+    csv_batches,
+    csv_lines,
+    joined_batches,
+    read_csv,
+)
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording, Table
 
@@ -93,15 +98,10 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             column that is not numeric.
     """
     with _opened(path) as file:
-        names, start = file.schema_arrow.names, 0
-        columns = {name: np.empty(file.metadata.num_rows) for name in names}
-        for batch in _row_groups(file, names):
-            rows = slice(start, start + batch["t"].size)
-            for name, values in batch.items():
-                columns[name][rows] = values
-            start = rows.stop
-        if start != file.metadata.num_rows:
-            raise pa.ArrowInvalid(f"{start} of {file.metadata.num_rows} rows found")
+        names, rows = file.schema_arrow.names, file.metadata.num_rows
+        columns = joined_batches(names, rows, _row_groups(file, names))
+        if (found := columns["t"].size) != rows:
+            raise pa.ArrowInvalid(f"{found} of {rows} rows found")
     return columns
 
 
@@ -226,7 +226,8 @@ def open_recording(path: str | os.PathLike[str]) -> Recording | LongRecording:
 
     def batches() -> Iterator[dict[str, np.ndarray]]:
         with _readable(path):
-            yield from _batches(path, is_known)
+            read = csv_batches if _is_csv(path) else parquet_batches
+            yield from read(path, is_known)
 
     return LongRecording(str(path), rows, batches, lambda: read_recording(path))
 
@@ -269,12 +270,6 @@ def _readable(path: Path) -> Iterator[None]:
 
 def _is_csv(path: Path) -> bool:
     return path.suffix.lower() == ".csv"
-
-
-def _batches(
-    path: Path, wanted: Callable[[str], bool]
-) -> Iterator[dict[str, np.ndarray]]:
-    return csv_batches(path, wanted) if _is_csv(path) else parquet_batches(path, wanted)
 
 
 def _rows_at_most(path: Path) -> int:

@@ -24,7 +24,7 @@ from orbident.campaigns.statistics import (
 from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.files.text import write_text
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -145,7 +145,7 @@ def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
 def _bounds(campaign: Campaign, robot: str) -> Bounds:
     subject = next(s for s in campaign.subjects if s.robot.name == robot)
     try:
-        found = cramer_rao(subject.robot, subject.trajectory)
+        found = bound_of(subject.robot, subject.trajectory).parameters
     except InputError:
         return {}
     sets = minimal_sets(subject.robot)
@@ -162,14 +162,11 @@ def _check(group: MethodStatistics) -> Check:
         return Check(name, "do not trust", f"{name}: no result was accepted")
     # So that all of them together are outside by chance once in twenty.
     confidence = 1 - 0.05 / len(known)
-    off = [p.name for p in known if not _within(p.coverage(confidence))]
+    ends = {p.name: p.coverage(confidence) for p in known}
+    off = [name for name, (low, high) in ends.items() if not low <= 0.95 <= high]
     level: Level = "with care" if off else "trust"
     said = f"not that of {', '.join(off)}" if off else "as 95 % intervals say"
     return Check(name, level, f"{name}: {said}")
-
-
-def _within(interval: tuple[float, float]) -> bool:
-    return interval[0] <= 0.95 <= interval[1]
 
 
 def _title(group: MethodStatistics) -> str:

@@ -48,12 +48,9 @@ class Panel(NamedTuple):
 
 def label(text: str) -> str:
     """A name as plotly shows it: no markup, not too long."""
-    return html.escape(shortened(" ".join(text.split())), quote=False)
-
-
-def shortened(text: str) -> str:
-    """The beginning of what is long."""
-    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    text = " ".join(text.split())
+    shown = text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    return html.escape(shown, quote=False)
 
 
 def numbers(x: np.ndarray, kind: str = "<f8") -> dict[str, str]:
@@ -77,14 +74,6 @@ def history(t: np.ndarray, x: np.ndarray, color: str, **more: Any) -> Trace:
 def points(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
     """A dot a point."""
     return _scatter("markers", x, y, {"marker": {"color": color, "size": 4}}, more)
-
-
-def _intervals(x: np.ndarray, half: np.ndarray) -> Trace:
-    style = {
-        "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
-        "marker": {"color": PREDICTED, "size": 7},
-    }
-    return _scatter("markers", x, list(range(len(x))), style, {})
 
 
 def _scatter(
@@ -129,24 +118,14 @@ def stacked(panels: Sequence[Panel], x_title: str, **x: Any) -> Figure:
 def decades(*values: np.ndarray) -> dict[str, Any]:
     """A logarithmic axis whose ends are powers of ten."""
     positive = [x[x > 0] for x in values]
-    low, high = (
-        round_(np.log10([end(x) for x in positive if x.size] or [1.0]))
-        for end, round_ in ((np.min, _floor), (np.max, _ceil))
-    )
+    ends = np.log10([(x.min(), x.max()) for x in positive if x.size] or [(1.0, 1.0)])
+    low, high = int(np.floor(ends.min())), int(np.ceil(ends.max()))
     return {
         "type": "log",
         "range": [low, max(high, low + 1)],
         "dtick": max(1, -(-(high - low) // 4)),
         "exponentformat": "power",
     }
-
-
-def _floor(x: np.ndarray) -> int:
-    return int(np.floor(x.min()))
-
-
-def _ceil(x: np.ndarray) -> int:
-    return int(np.ceil(x.max()))
 
 
 def _heading(text: str, top: float) -> Figure:
@@ -198,8 +177,13 @@ def interval_list(
     upright = line(np.full(2, zero), np.array([-0.5, len(names) - 0.5]), LIMIT)
     reach = float(np.max(np.abs(x - zero) + half, initial=0.0))
     ends = {"range": [zero - least, zero + least]} if reach < least else {}
+    style = {
+        "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
+        "marker": {"color": PREDICTED, "size": 7},
+    }
+    intervals = _scatter("markers", x, list(range(len(x))), style, {})
     layout = _list_of(names, x_title, **ends)
-    return {"data": [upright, _intervals(x, half)], "layout": layout}
+    return {"data": [upright, intervals], "layout": layout}
 
 
 def _list_of(names: Sequence[str], x_title: str, **x: Any) -> Figure:

@@ -1,7 +1,6 @@
 """How an estimate came about: by the steps of a search, or sample by sample."""
 
 import os
-from collections.abc import Sequence
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
@@ -57,17 +56,6 @@ def rounds(steps: Convergence) -> list[Round]:
     return found
 
 
-def is_wide(every: Sequence[Round]) -> bool:
-    """Whether costs of a search differ by more than a linear axis shows."""
-    cost = np.concatenate([each.cost for each in every])
-    return bool(cost.max() > WIDE * cost.min())
-
-
-def spacing(taken: int) -> int:
-    """Steps from one number on the axis to the next: at most nine numbers."""
-    return -(-taken // 8)
-
-
 def convergence(steps: Convergence) -> Section | None:
     """Cost and size of every step; None where the method took none."""
     if not steps:
@@ -91,7 +79,9 @@ def convergence(steps: Convergence) -> Section | None:
     ends = line(np.array(across), np.full(2, SMALL), LIMIT)
     of_cost = [_curve(each.number, each.cost) for each in every]
     of_size = [ends, *(_curve(each.number, each.size) for each in every)]
-    x = {"dtick": spacing(taken), "range": across}
+    # At most nine numbers on the axis.
+    x = {"dtick": -(-taken // 8), "range": across}
+    wide = cost.max() > WIDE * cost.min()
     return Section(
         name="convergence",
         title="Convergence of the fit",
@@ -101,7 +91,7 @@ def convergence(steps: Convergence) -> Section | None:
                 "cost",
                 "Cost after each step",
                 stacked(
-                    [Panel(COST, of_cost, y=decades(cost) if is_wide(every) else {})],
+                    [Panel(COST, of_cost, y=decades(cost) if wide else {})],
                     "step",
                     **x,
                 ),

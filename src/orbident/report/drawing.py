@@ -20,13 +20,17 @@ from orbident.estimation.signals import Signals
 from orbident.extras import extra
 from orbident.files.replacing import replacing
 from orbident.files.text import write_text
-from orbident.report.budget_section import variance_shares
 from orbident.report.charts import Trace
 from orbident.report.conditioning import conditioning
 from orbident.report.convergence_section import convergence
 from orbident.report.fit import charts_of
 from orbident.report.page import Chart, Picture, Section
-from orbident.report.parameter_section import masses, parameters, sensitivities
+from orbident.report.parameter_section import (
+    masses,
+    parameters,
+    sensitivities,
+    variance_shares,
+)
 
 with extra("report", "drawing a figure"):
     from matplotlib import rc_context

@@ -13,6 +13,7 @@ import numpy as np
 from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS
+from orbident.files.names import counted
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
 from orbident.preprocessing.low_pass import CutOff
@@ -164,7 +165,7 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
     known_as = "CAD" if isinstance(done, ControlStudy) else "truth"
     text = page(
         title=title,
-        subtitle=f"{done.seeds} run{'' if done.seeds == 1 else 's'}; below, the first",
+        subtitle=f"{counted(done.seeds, 'run')}; below, the first",
         verdict=verdict._replace(level=worst(checks), checks=checks),
         sections=[*first, *sections_of(result, signals, known_as=known_as)],
     )

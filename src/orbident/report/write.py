@@ -14,8 +14,8 @@ from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
+from orbident.identified.validate import SCORED
 from orbident.preprocessing.origins import SMOOTHED, WORDS
-from orbident.report.budget_section import variance_shares
 from orbident.report.conditioning import conditioning, excitation, identifiability
 from orbident.report.convergence_section import (
     Trail,
@@ -25,7 +25,12 @@ from orbident.report.convergence_section import (
 )
 from orbident.report.fit import fits
 from orbident.report.page import NONE, Section, page, short, verdict_of
-from orbident.report.parameter_section import masses, parameters, sensitivities
+from orbident.report.parameter_section import (
+    masses,
+    parameters,
+    sensitivities,
+    variance_shares,
+)
 from orbident.report.replay_figure import replay_sections
 
 
@@ -163,11 +168,11 @@ def validation(scores: dict) -> Section:
         (
             f"{name}, {SIGNAL_UNITS[name]}",
             Numeric(scores["rms"].get(name)),
-            Numeric(_percent(scores["nrmse"].get(name))),
+            Numeric(None if (x := scores["nrmse"].get(name)) is None else 100 * x),
             Numeric(scores["predicted_std"].get(name)),
             Numeric(scores["noise"].get(name)),
         )
-        for name in ("gyro", "velocity")
+        for name in SCORED
     )
     origin = "which was not used to identify"
     if scores.get("used"):
@@ -189,10 +194,6 @@ def validation(scores: dict) -> Section:
         words=tuple(words),
         tables=(table_of("Errors, and what is expected of them", head, rows),),
     )
-
-
-def _percent(value: float | None) -> float | None:
-    return None if value is None else 100 * value
 
 
 METHODS = {

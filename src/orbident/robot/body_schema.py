@@ -22,7 +22,7 @@ from orbident.files.schema_parts import (
     Name,
     WrongValueError,
 )
-from orbident.robot.units import each_of, measure_of, quantity
+from orbident.robot.units import each_of, measure_of, quantity, quantity_of
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink, rotation_of
 
 MOMENTS, PRODUCTS = ("xx", "yy", "zz"), ("xy", "xz", "yz")
@@ -41,10 +41,6 @@ def _inertia(value: object) -> dict[str, float]:
     if unknown:
         raise WrongValueError(f"give {', '.join((*MOMENTS, *PRODUCTS))} only")
     return {name: quantity(each, "inertia") for name, each in value.items()}
-
-
-def _signed(dimension: str) -> BeforeValidator:
-    return BeforeValidator(lambda value: quantity(value, dimension))
 
 
 class MassEntry(MappingSchema):
@@ -135,10 +131,10 @@ class DhRow(MassEntry):
     joint: Name
     link: Name | None = None
     type: Literal["revolute", "prismatic"] = "revolute"
-    a: Annotated[float, _signed("length")] = 0.0
-    alpha: Annotated[float, _signed("angle")] = 0.0
-    d: Annotated[float, _signed("length")] = 0.0
-    theta: Annotated[float, _signed("angle")] = 0.0
+    a: Annotated[float, quantity_of("length")] = 0.0
+    alpha: Annotated[float, quantity_of("angle")] = 0.0
+    d: Annotated[float, quantity_of("length")] = 0.0
+    theta: Annotated[float, quantity_of("angle")] = 0.0
 
 
 class DhTable(MappingSchema):

@@ -253,13 +253,11 @@ def _left_by_an_exporter(robot: Robot) -> list[str]:
 def _out_of_plane(robot: Robot) -> list[str]:
     if robot.motion != "planar":
         return []
-    R = [np.eye(3)]
-    names = []
-    for joint in robot.joints:
-        R.append(R[joint.parent] @ joint.R_PJ)
-        along_z = abs(R[-1] @ joint.axis)[2]
-        off = 1.0 - along_z if joint.kind == "revolute" else along_z
-        names += [joint.name] if off > TILTED else []
+    names = [
+        joint.name
+        for joint, along_z in zip(robot.joints, _along_z(robot), strict=True)
+        if (1.0 - along_z if joint.kind == "revolute" else along_z) > TILTED
+    ]
     names += [wheel.name for wheel in robot.wheels if 1.0 - abs(wheel.axis[2]) > TILTED]
     if not names:
         return []
@@ -269,13 +267,20 @@ def _out_of_plane(robot: Robot) -> list[str]:
     ]
 
 
+def _along_z(robot: Robot) -> list[float]:
+    """The cosine between each joint's axis and base z, of either sign."""
+    R, cosines = [np.eye(3)], []
+    for joint in robot.joints:
+        R.append(R[joint.parent] @ joint.R_PJ)
+        cosines.append(float(abs(R[-1] @ joint.axis)[2]))
+    return cosines
+
+
 def _flat(robot: Robot) -> list[str]:
     if robot.motion == "planar" or len(robot.joints) < 2:
         return []
-    R = [np.eye(3)]
-    for joint in robot.joints:
-        R.append(R[joint.parent] @ joint.R_PJ)
-        if joint.kind != "revolute" or 1.0 - abs(R[-1] @ joint.axis)[2] > TILTED:
+    for joint, along_z in zip(robot.joints, _along_z(robot), strict=True):
+        if joint.kind != "revolute" or 1.0 - along_z > TILTED:
             return []
     return [
         "motion: spatial, but all joints turn about base z: if the robot floats on a "

@@ -192,6 +192,11 @@ def at_least_zero(value: object, dimension: str) -> float:
     return number
 
 
+def quantity_of(dimension: str) -> BeforeValidator:
+    """Reads a quantity of either sign, in SI."""
+    return BeforeValidator(lambda value: quantity(value, dimension))
+
+
 def measure_of(dimension: str) -> BeforeValidator:
     """Reads a quantity of zero or more, in SI."""
     return BeforeValidator(lambda value: at_least_zero(value, dimension))

@@ -184,7 +184,8 @@ def _write_motion(
         rows = slice(first, first + PART)
         part = MotionHistory(*(column[rows] for column in motion))
         at = poses(robot, part.q)
-        x = _quaternions(at.R)
+        x = Rotation.from_matrix(at.R.reshape(-1, 3, 3)).as_quat()
+        x = x.reshape(*at.R.shape[:-2], 4)
         r_base = part.r_S - rotate(quaternion_matrix(part.x_WB), p_LS)
         for k, t in enumerate(part.t):
             time = _nanoseconds(t)
@@ -276,11 +277,6 @@ def _vector(v: np.ndarray) -> Any:
 
 def _quaternion(x: np.ndarray) -> Any:
     return message("geometry_msgs/Quaternion", *map(float, x))
-
-
-def _quaternions(R: np.ndarray) -> np.ndarray:
-    flat = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat()
-    return flat.reshape(*R.shape[:-2], 4)
 
 
 def _nanoseconds(t: float) -> int:

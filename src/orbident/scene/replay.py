@@ -13,7 +13,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.prediction import predict
 from orbident.model.core_robot import wheels_of
-from orbident.model.kinematics import inertia, poses
+from orbident.model.kinematics import JointState, inertia, poses
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
@@ -21,7 +21,7 @@ from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.scene import Scene
-from orbident.simulation.free_floating import BaseState, JointState, free_floating
+from orbident.simulation.free_floating import BaseState, free_floating
 
 
 class MotionHistory(NamedTuple):

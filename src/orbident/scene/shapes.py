@@ -155,7 +155,10 @@ def made_shapes(robot: Robot, body: int, size: float) -> list[Shape]:
         shapes, start, ends, colour = [base.moved(0, R, com)], com, joints, BASE
     else:
         colour = LINKS[(body - 1) % len(LINKS)]
-        shapes = [_hub(robot, body, size)]
+        # A short cylinder along the joint's axis.
+        axis = z_towards(robot.joints[body - 1].axis)
+        hub = cylinder(1.4 * THIN * size, 3 * THIN * size, BASE)
+        shapes = [hub.moved(0, axis, np.zeros(3))]
         start, ends = np.zeros(3), joints or [2 * com]
     shapes += [
         rod(start, end, THIN * size, colour)
@@ -163,12 +166,6 @@ def made_shapes(robot: Robot, body: int, size: float) -> list[Shape]:
         if np.linalg.norm(end - start) > THIN * size
     ]
     return [shape._replace(frame=body) for shape in shapes]
-
-
-def _hub(robot: Robot, body: int, size: float) -> Shape:
-    """A short cylinder along the joint's axis."""
-    hub = cylinder(1.4 * THIN * size, 3 * THIN * size, BASE)
-    return hub.moved(0, z_towards(robot.joints[body - 1].axis), np.zeros(3))
 
 
 def _com(robot: Robot, body: int) -> Float[np.ndarray, "3"]:

@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
+from orbident.model.kinematics import JointState
 from orbident.robot.description import Robot
 from orbident.trajectories.environment import Environment, Firing
 
@@ -22,13 +23,7 @@ class Hold(NamedTuple):
 
     q: Float[np.ndarray, " joints"]
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-    ]:
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
         """The same positions at all times, without rates and accelerations."""
         q = np.tile(self.q, (t.size, 1))
         return q, np.zeros_like(q), np.zeros_like(q)

@@ -305,6 +305,11 @@ def vehicle_of(
         free[6 : 6 + K] = 0.0
     if wheels is None:
         free[6 + K :] = wheels_of(robot).free
+    computed = None
+    if isinstance(joints, ComputedTorque):
+        of_momentum = np.linalg.pinv(wheels_of(joints.model).A_rw)
+        model = core_robot(joints.model)
+        computed = _core.ComputedTorque(model, of_momentum, joints.kp, joints.kd)
     return _core.Vehicle(
         robot=core_robot(robot),
         free=free,
@@ -320,7 +325,7 @@ def vehicle_of(
         speed_limit=limits.speed,
         body=np.array([point.body for point in points], dtype=float),
         point=np.reshape([point.point for point in points], (-1, 3)),
-        computed=_computed(joints) if isinstance(joints, ComputedTorque) else None,
+        computed=computed,
     )
 
 
@@ -351,11 +356,6 @@ def integrate(
         state, seen = _core.fly(vehicle, state, dt, command_at(nodes[part]), shown)
         pieces.append(seen)
     return FlightStates(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
-
-
-def _computed(law: ComputedTorque) -> _core.ComputedTorque:
-    of_momentum = np.linalg.pinv(wheels_of(law.model).A_rw)
-    return _core.ComputedTorque(core_robot(law.model), of_momentum, law.kp, law.kd)
 
 
 def _open_loop(

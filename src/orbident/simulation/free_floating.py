@@ -17,10 +17,11 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
-from orbident.model.kinematics import inertia_at
+from orbident.model.kinematics import JointState, inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.robot.description import Robot
 from orbident.threads import processors
+from orbident.trajectories.trajectory import InitialState
 
 MOST_SUBSTEPS = 256
 """Between two samples; a base that needs more turns too fast for them."""
@@ -38,10 +39,6 @@ class RateLaw(NamedTuple):
         """The base rate, rad/s, base axes."""
         h_B = rotate_back(quaternion_matrix(x_WB), h_cm)
         return rotate(self.E, h_B) - self.b
-
-    def every(self, stride: int) -> "RateLaw":
-        """The law at every so many of its times."""
-        return RateLaw(self.E[::stride], self.b[::stride])
 
 
 def rate_law(
@@ -116,7 +113,8 @@ def float_attitude(
         law, momentum = law_at(nodes), np.tile(h_cm, (nodes.size, 1))
         x, error = integrate_attitude(law, momentum, x_WB, t, substeps)
         if error <= tolerance:
-            return AttitudeHistory(x, law.every(2 * substeps), error, substeps)
+            at_samples = RateLaw(*(part[:: 2 * substeps] for part in law))
+            return AttitudeHistory(x, at_samples, error, substeps)
         if substeps == MOST_SUBSTEPS:
             raise InputError(
                 f"the base turns too fast for samples up to {np.diff(t).max():g} s "
@@ -129,12 +127,6 @@ def float_attitude(
 
 OUT_OF_PLANE = 1e-9
 """m/s, rad/s, or of a quaternion: so much is not rounding."""
-
-JointState = tuple[
-    Float[np.ndarray, "n joints"],
-    Float[np.ndarray, "n joints"],
-    Float[np.ndarray, "n joints"],
-]
 
 
 @runtime_checkable
@@ -157,6 +149,12 @@ class BaseState(NamedTuple):
     """Velocity of S, inertial axes, m/s."""
     wheel_speed: Float[np.ndarray, " wheels"]
     """Relative to the base, rad/s."""
+
+    @classmethod
+    def of(cls, initial: InitialState, robot: Robot) -> "BaseState":
+        """As a trajectory of a robot begins."""
+        speeds = initial.wheel_speeds(robot.wheel_names)
+        return cls(initial.angular_velocity, initial.attitude, initial.velocity, speeds)
 
 
 class FreeFloating(NamedTuple):

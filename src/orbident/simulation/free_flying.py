@@ -208,30 +208,21 @@ def _flown(
     error: float,
     steps: int,
 ) -> FreeFlying:
-    joints_end = 6 + seen.q.shape[1]
-    _, w, qd, qd_rw = np.split(seen.v, [3, 6, joints_end], axis=1)
-    _, w_dot, qdd, qdd_rw = np.split(seen.vd, [3, 6, joints_end], axis=1)
+    named, joints_end = seen._asdict(), 6 + seen.q.shape[1]
+    _, w, qd, qd_rw = np.split(named.pop("v"), [3, 6, joints_end], axis=1)
+    _, w_dot, qdd, qdd_rw = np.split(named.pop("vd"), [3, 6, joints_end], axis=1)
     return FreeFlying(
         t=t,
-        q=seen.q,
+        attitude=named.pop("x_WB"),
         qd=qd,
         qdd=qdd,
-        attitude=seen.x_WB,
         w=w,
         w_dot=w_dot,
-        q_rw=seen.q_rw,
         qd_rw=qd_rw,
         qdd_rw=qdd_rw,
-        r_S=seen.r_S,
-        v_S=seen.v_S,
-        f_S=seen.f_S,
-        r_cm=seen.r_cm,
-        v_cm=seen.v_cm,
-        h_cm=seen.h_cm,
-        tau=seen.tau,
-        tau_rw=seen.tau_rw,
         force=thrust[:, :3],
         torque=thrust[:, 3:],
         error=error,
         steps=steps,
+        **named,
     )

@@ -36,30 +36,6 @@ from orbident.threads import processors
 from orbident.trajectories.trajectory import Trajectory
 
 
-def hybrid_dynamics(
-    robot: Robot,
-    q: Float[np.ndarray, "n joints"],
-    v: Float[np.ndarray, "n speeds"],
-    Q: Float[np.ndarray, "n speeds"],
-    vd: Float[np.ndarray, "n speeds"],
-    free: Float[np.ndarray, " speeds"],
-) -> tuple[Float[np.ndarray, "n speeds"], Float[np.ndarray, "n 3"]]:
-    """`v'` where some of it is known and elsewhere the force is; acceleration of S.
-
-    Args:
-        robot: its `theta` decides.
-        q: joint positions, rad or m.
-        v: generalised speeds, base axes.
-        Q: the forces where `free` is 1.
-        vd: the accelerations where `free` is 0.
-        free: 1 or 0 for each speed.
-
-    Returns:
-        `v'`, and the acceleration of S, base axes, m/s^2.
-    """
-    return _core.forward_dynamics(core_robot(robot), q, v, Q, vd, free, processors())
-
-
 class Accelerations(NamedTuple):
     """Accelerations of the base and the wheels at the samples of a motion."""
 
@@ -90,7 +66,9 @@ def accelerations(
     known = np.hstack([of_base, of_base, qdd, still])
     free = movable(robot).astype(float)
     free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
-    vd, f_S = hybrid_dynamics(robot, motion.q, v, np.zeros_like(v), known, free)
+    vd, f_S = _core.forward_dynamics(
+        core_robot(robot), motion.q, v, np.zeros_like(v), known, free, processors()
+    )
     return Accelerations(w_dot=vd[:, 3:6], qdd_rw=vd[:, 6 + joints :], f_S=f_S)
 
 
@@ -135,17 +113,7 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
         trajectory: of the joints, in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    return Truth(
-        q=motion.q,
-        qd=motion.qd,
-        q_rw=_integrated(motion.t, motion.qd_rw, at.qdd_rw),
-        qd_rw=motion.qd_rw,
-        gyro=motion.w,
-        accelerometer=at.f_S,
-        attitude=motion.attitude,
-        position=motion.r_S,
-        velocity=motion.v_S,
-    )
+    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at.f_S)
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -154,16 +122,24 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
     Args:
         flight: wheels turn on from wherever they were; their angles count from here.
     """
+    return _truth(flight, flight.q_rw - flight.q_rw[0], flight.f_S)
+
+
+def _truth(
+    motion: FreeFloating | FreeFlying,
+    q_rw: Float[np.ndarray, "rows wheels"],
+    f_S: Float[np.ndarray, "rows 3"],
+) -> Truth:
     return Truth(
-        q=flight.q,
-        qd=flight.qd,
-        q_rw=flight.q_rw - flight.q_rw[0],
-        qd_rw=flight.qd_rw,
-        gyro=flight.w,
-        accelerometer=flight.f_S,
-        attitude=flight.attitude,
-        position=flight.r_S,
-        velocity=flight.v_S,
+        q=motion.q,
+        qd=motion.qd,
+        q_rw=q_rw,
+        qd_rw=motion.qd_rw,
+        gyro=motion.w,
+        accelerometer=f_S,
+        attitude=motion.attitude,
+        position=motion.r_S,
+        velocity=motion.v_S,
     )
 
 

@@ -202,13 +202,7 @@ def _task(
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")
     trajectory = trajectory.for_robot(robot)
-    initial = trajectory.initial
-    start = BaseState(
-        angular_velocity=initial.angular_velocity,
-        attitude=initial.attitude,
-        velocity=initial.velocity,
-        wheel_speed=initial.wheel_speeds(robot.wheel_names),
-    )
+    start = BaseState.of(trajectory.initial, robot)
     return trajectory, sample_times(trajectory.duration, rate), start
 
 

@@ -4,20 +4,17 @@ A controller that computes its torques from a model tracks as well as the model 
 paper's servicer moves its arm and slews its base, free-flying on its wheels, twice: by
 a CAD model whose masses, first moments and inertias are off by 20 %, and by the model
 that was identified from one recording of Table 2's trajectory.
-
-What the base is commanded to do while it is tracked: a slew.
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.executors import Executors, InThisProcess
-from orbident.campaigns.seeds import Series, check_seeds, over_seeds
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
 from orbident.choices import StudyNoise
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
@@ -131,50 +128,35 @@ class ControlStudy:
         }
 
 
-def run_control(
-    noise: StudyNoise = "none",
-    seeds: int = 1,
-    first_seed: int = 0,
-    progress: Callable[[float], object] = lambda _: None,
-    executors: Executors = InThisProcess,
-) -> ControlStudy:
+def run_control(noise: StudyNoise = "none", runs: SeedRuns = ONE_RUN) -> ControlStudy:
     """Identify, then track with the CAD model and with the identified one.
 
     Args:
         noise: of the recording; `"paper"` for Section 3.5's.
-        seeds: each has a CAD model and sensors of its own.
-        first_seed: of them.
-        progress: is called with the fraction done.
-        executors: where all seeds but the first are run.
+        runs: each seed has a CAD model and sensors of its own.
 
     Raises:
         InputError: there are no seeds.
     """
-    check_seeds(seeds)
     started = time.perf_counter()
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
     motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
     task = _Task(robot, trajectory, motion, noise)
-    recording, result = task.identified(first_seed)
-    series = Series(
-        task.errors,
-        range(first_seed, first_seed + seeds),
-        (task.errors_with(result, first_seed),),
-    )
-    (found,) = over_seeds([series], executors, progress)
-    runs = found.runs.reshape(seeds, 2, 2)
+    first = task.identified(runs.first)
+    (found,) = runs.over(Series(task.identified, runs.numbers, task.errors, (first,)))
+    by_seed = found.runs.reshape(runs.seeds, 2, 2)
     return ControlStudy(
         errors={
             name: Tracked(*map(float, row))
             for name, row in zip(MODELS, found.rms.reshape(2, 2), strict=True)
         },
-        factor=float((runs[:, 0] / runs[:, 1]).min()),
+        factor=float((by_seed[:, 0] / by_seed[:, 1]).min()),
         trajectory=trajectory,
-        recording=recording,
-        result=result,
-        seeds=seeds,
-        rejected=int(np.isnan(runs).any(axis=(1, 2)).sum()),
+        recording=first[0],
+        result=first[1],
+        seeds=runs.seeds,
+        rejected=int(np.isnan(by_seed).any(axis=(1, 2)).sum()),
         elapsed_s=time.perf_counter() - started,
     )
 
@@ -187,25 +169,20 @@ class _Task(NamedTuple):
     motion: FreeFloating
     noise: StudyNoise
 
-    def cad(self, seed: int) -> Robot:
-        return off_by(self.robot, CAD_ERROR, seed)
-
     def identified(self, seed: int) -> tuple[Recording, Result]:
         recording = (
             motion_recording(self.robot, self.motion)
             if self.noise == "none"
             else measure(self.robot, self.motion, self.trajectory, seed)
         )
-        return recording, identify(self.cad(seed), recording, "least-squares")
+        cad = off_by(self.robot, CAD_ERROR, seed)
+        return recording, identify(cad, recording, "least-squares")
 
-    def errors(self, seed: int) -> Float[np.ndarray, "4"]:
-        _, result = self.identified(seed)
-        return self.errors_with(result, seed)
-
-    def errors_with(self, result: Result, seed: int) -> Float[np.ndarray, "4"]:
+    def errors(self, made: tuple[Recording, Result]) -> Float[np.ndarray, "4"]:
+        _, result = made
         if result.status == "rejected":
             return np.full(4, np.nan)
-        models = self.cad(seed), result.dynamics().robot
+        models = result.robot, result.dynamics().robot
         return np.concatenate([tracked(self.robot, model) for model in models])
 
 
@@ -238,12 +215,8 @@ def tracked(robot: Robot, model: Robot) -> Tracked:
     task = Trajectory(DURATION, robot.joint_names, none, none, rest, there)
     slew = Slew(initial.attitude, np.ones(3) / np.sqrt(3), SLEW, DURATION)
     law = ComputedTorque(model, slew, KP, KD)
-    start = BaseState(
-        angular_velocity=np.zeros(3),
-        attitude=initial.attitude,
-        velocity=np.zeros(3),
-        wheel_speed=initial.wheel_speeds(robot.wheel_names),
-    )
+    still = {"angular_velocity": np.zeros(3), "velocity": np.zeros(3)}
+    start = BaseState.of(initial, robot)._replace(**still)
     flight = free_flying(
         robot,
         sample_times(DURATION, RATE),

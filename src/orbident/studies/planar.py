@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.model.kinematics import JointState
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
@@ -52,13 +53,7 @@ class Sines(NamedTuple):
     period: float
     """s."""
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-    ]:
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
         """Positions, rates and accelerations at these times."""
         rate = 2 * np.pi / self.period
         sines = np.sin(rate * t)[:, None] * self.amplitudes

@@ -15,7 +15,7 @@ from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.prediction import predict
-from orbident.identified.validate import Validation, scored
+from orbident.identified.validate import SCORED, Validation, scored
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_blocks
 from orbident.robot.description import Robot
@@ -28,8 +28,6 @@ from orbident.studies.paper_method import (
     yaw_of,
 )
 from orbident.studies.planar import Flights, ideal_record, measured_record
-
-SCORED = ("gyro", "velocity")
 
 
 class Records(NamedTuple):
@@ -173,15 +171,18 @@ def planar_figures(
         result: the result of the identification, which predicts the validation.
     """
     predicted = _predicted(result, validation)
+    place = _position(identification.raw)
+    thrust = {f"force {k} (N)": burn.column(f"force.{k}") for k in "xy"}
     return {
         "fig06": PaperFigure(
             "Measured joint angles and rates", _joints(robot, identification)
         ),
         "fig07": PaperFigure("Measured base angle and rate", _base(identification)),
         "fig08": PaperFigure(
-            "Measured position and velocity of S", _point(identification)
+            "Measured position and velocity of S",
+            place | _velocity(identification.ready),
         ),
-        "fig09": PaperFigure("Translation of S in the burn", _burn(burn)),
+        "fig09": PaperFigure("Translation of S in the burn", _position(burn) | thrust),
         "fig10": PaperFigure(
             "Validation: joint angles and rates", _joints(robot, validation)
         ),
@@ -234,10 +235,6 @@ def _base(seen: Measured) -> dict[str, Column]:
     }
 
 
-def _point(seen: Measured) -> dict[str, Column]:
-    return _position(seen.raw) | _velocity(seen.ready)
-
-
 def _position(raw: Recording) -> dict[str, Column]:
     position = {f"S {k} (m)": raw.column(f"position.{k}") for k in "xy"}
     return {"t (s)": raw.t, **position}
@@ -246,11 +243,6 @@ def _position(raw: Recording) -> dict[str, Column]:
 def _velocity(ready: Recording) -> dict[str, Column]:
     rate = {f"S velocity {k} (m/s)": ready.column(f"velocity.{k}") for k in "xy"}
     return {"t (s)": ready.t, **rate}
-
-
-def _burn(burn: Recording) -> dict[str, Column]:
-    thrust = {f"force {k} (N)": burn.column(f"force.{k}") for k in "xy"}
-    return _position(burn) | thrust
 
 
 def _predicted(result: Result, seen: Measured) -> dict[str, Column]:

@@ -1,30 +1,29 @@
 """Section 5, run: Table 6, the burn, and the validation, without noise and with it."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.executors import Executors, InThisProcess
-from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
+from orbident.campaigns.seeds import ONE_RUN, Errors, SeedRuns, Series
 from orbident.choices import StudyNoise
 from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import nulled
-from orbident.identified.validate import Validation
+from orbident.identified.validate import SCORED, Validation
 from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
 from orbident.studies.paper_method import Filters, PaperParameters, condition_in_basis
 from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar import Flights, fly_planar, planar_robot, planar_trajectory
+from orbident.studies.planar import fly_planar, planar_robot, planar_trajectory
 from orbident.studies.planar_run import (
-    SCORED,
     Measured,
     PaperFigure,
     PaperFilters,
@@ -158,11 +157,8 @@ class PlanarStudy:
 
 def run_planar(
     noise: StudyNoise = "none",
-    seeds: int = 1,
-    first_seed: int = 0,
+    runs: SeedRuns = ONE_RUN,
     method: Estimator = "maximum-likelihood",
-    progress: Callable[[float], object] = lambda _: None,
-    executors: Executors = InThisProcess,
 ) -> PlanarStudy:
     """Fly, identify by Eqs. 24 and 31, weigh by Eq. 40, predict Eq. 47's run.
 
@@ -170,16 +166,12 @@ def run_planar(
         noise: `"paper"` adds the noise of encoders and motion capture. The robot is
             then identified twice: by the paper's method, which filters signals first,
             and by `method`, which takes them unfiltered.
-        seeds: runs with noise, one a seed; the flights are the same.
-        first_seed: of them.
+        runs: with noise; the flights are the same.
         method: of `identify`; with ideal sensors there is no other.
-        progress: is called with the fraction done.
-        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
-    check_seeds(seeds)
     started = time.perf_counter()
     robot = planar_robot()
     trajectory = planar_trajectory(robot)
@@ -187,14 +179,12 @@ def run_planar(
     table = PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1))
     filters = PaperFilters(Filters(), Filters())
     if noise == "none":
-        seeds, first = 1, run_ideal(robot, flights, method)
+        runs, first = ONE_RUN, run_ideal(robot, flights, method)
         errors = Errors(first.quantities(table)[None])
     else:
-        noisy = _NoisyFlights(robot, flights, filters, method, table)
-        first = noisy.run(first_seed)
-        all_seeds = range(first_seed, first_seed + seeds)
-        series = Series(noisy.quantities, all_seeds, (first.quantities(table),))
-        (errors,) = over_seeds([series], executors, progress)
+        run = partial(run_noisy, robot, flights, filters, method=method)
+        first, row_of = run(runs.first), partial(PlanarRun.quantities, table=table)
+        (errors,) = runs.over(Series(run, runs.numbers, row_of, (first,)))
     columns = _Columns(errors, len(first.readings), noise == "paper")
     methods = {
         name: _method(reading, table, columns, k)
@@ -213,26 +203,10 @@ def run_planar(
         figures=_figures(robot, first),
         cut_offs=filters.identification.cut_offs,
         noisy=noise == "paper",
-        seeds=seeds,
+        seeds=runs.seeds,
         rejected=int(np.isnan(errors.runs).any(axis=1).sum()),
         elapsed_s=time.perf_counter() - started,
     )
-
-
-class _NoisyFlights(NamedTuple):
-    """The same flights, measured anew with every seed."""
-
-    robot: Robot
-    flights: Flights
-    filters: PaperFilters
-    method: Estimator
-    table: PaperParameters
-
-    def run(self, seed: int) -> PlanarRun:
-        return run_noisy(self.robot, self.flights, self.filters, seed, self.method)
-
-    def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
-        return self.run(seed).quantities(self.table)
 
 
 class _Columns(NamedTuple):
@@ -274,15 +248,11 @@ def _method(
             strict=True,
         )
     )
-    first = reading.scores
-    rms_nrmse, worst_nrmse = (_by_name(part) for part in columns.over(scores))
-    return MethodResult(
-        rows, reading.result, PredictionScores(first, rms_nrmse, worst_nrmse)
-    )
-
-
-def _by_name(scores: Float[np.ndarray, " scores"]) -> dict[str, float]:
-    return {name: float(score) for name, score in zip(SCORED, scores, strict=True)}
+    over = [
+        {str(name): float(x) for name, x in zip(SCORED, part, strict=True)}
+        for part in columns.over(scores)
+    ]
+    return MethodResult(rows, reading.result, PredictionScores(reading.scores, *over))
 
 
 def _weighed(first: PlanarRun, table: PaperParameters, columns: _Columns) -> Weighed:

@@ -1,15 +1,14 @@
 """Section 5 on a real table, run: the paper's motion and method beside ours."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.executors import Executors, InThisProcess
-from orbident.campaigns.seeds import Series, check_seeds, over_seeds
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
 from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
 from orbident.model.paper_bases import planar_columns
@@ -129,25 +128,16 @@ class TableStudy:
         }
 
 
-def run_table(
-    seeds: int = 1,
-    first_seed: int = 0,
-    progress: Callable[[float], object] = lambda _: None,
-    executors: Executors = InThisProcess,
-) -> TableStudy:
+def run_table(runs: SeedRuns = ONE_RUN) -> TableStudy:
     """Fly both motions with each seed, and read their recordings.
 
     Args:
-        seeds: runs with another slow torque, and other noise of encoders and motion
+        runs: each with another slow torque, and other noise of encoders and motion
             capture.
-        first_seed: of them.
-        progress: is called with the fraction done.
-        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
-    check_seeds(seeds)
     started = time.perf_counter()
     robot = table_robot()
     motions = table_motions(robot)
@@ -157,10 +147,10 @@ def run_table(
         PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1)),
         Filters(),
     )
-    table, first = noisy.table, noisy.run(first_seed)
-    every = range(first_seed, first_seed + seeds)
-    series = Series(noisy.quantities, every, (noisy.quantities_of(first),))
-    (errors,) = over_seeds([series], executors, progress)
+    table, first = noisy.table, noisy.run(runs.first)
+    (errors,) = runs.over(
+        Series(noisy.run, runs.numbers, noisy.quantities_of, (first,))
+    )
     rms = errors.rms[1:].reshape(3, -1)
     return TableStudy(
         methods={
@@ -173,7 +163,7 @@ def run_table(
         recording=first.recording,
         result=first.results[1],
         cut_offs=noisy.filters.cut_offs,
-        seeds=seeds,
+        seeds=runs.seeds,
         rejected=int(errors.runs[:, 0].sum()),
         elapsed_s=time.perf_counter() - started,
     )
@@ -193,9 +183,6 @@ class _NoisyTable(NamedTuple):
             for each in self.motions
         )
         return read_table(self.robot, (paper, ours), self.table, self.filters)
-
-    def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
-        return self.quantities_of(self.run(seed))
 
     def quantities_of(self, run: TableRun) -> Float[np.ndarray, " quantities"]:
         """Whether it is refused, then the errors of each way of reading."""

@@ -5,22 +5,21 @@ conditions the paper designed its two exciting trajectories.
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.executors import Executors, InThisProcess
-from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
+from orbident.campaigns.seeds import ONE_RUN, Errors, SeedRuns, Series
 from orbident.choices import StudyNoise
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.result import Result
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import Basis
 from orbident.excitation.floating import spun_up
@@ -241,29 +240,22 @@ class SpatialStudy:
 
 def run_spatial(
     noise: StudyNoise = "none",
-    seeds: int = 1,
-    first_seed: int = 0,
+    runs: SeedRuns = ONE_RUN,
     method: Literal["paper"] | Method = "paper",
-    progress: Callable[[float], object] = lambda _: None,
-    executors: Executors = InThisProcess,
 ) -> SpatialStudy:
     """Simulate, identify by Eqs. 24 and 31, compare with Table 4.
 
     Args:
         noise: `"paper"` for Section 3.5's.
-        seeds: runs with noise, one a seed.
-        first_seed: of them.
+        runs: with noise.
         method: `"paper"` filters the recordings and solves Eq. 24 with the first sample
             subtracted. Every other one is a method of `identify`, which takes the
             recordings unfiltered.
-        progress: is called with the fraction done.
-        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
     started = time.perf_counter()
-    check_seeds(seeds)
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
     motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
@@ -275,20 +267,13 @@ def run_spatial(
         recording = motion_recording(robot, motion)
         result, errors = noisy.identified(recording), None
     else:
-        recording, result = noisy.run(first_seed)
-        bound = cramer_rao(robot, trajectory)
+        first = recording, result = noisy.run(runs.first)
+        bound = bound_of(robot, trajectory).parameters
         sensors = list(robot.sensors.declared) if method == "paper" else []
-        all_seeds = range(first_seed, first_seed + seeds)
-        errors, *parts = over_seeds(
-            [
-                Series(noisy.errors, all_seeds, (noisy.errors_of(result),)),
-                *(
-                    Series(noisy.alone(sensor).errors, all_seeds[:SEEDS_BY_SENSOR])
-                    for sensor in sensors
-                ),
-            ],
-            executors,
-            progress,
+        some = runs.numbers[:SEEDS_BY_SENSOR]
+        errors, *parts = runs.over(
+            Series(noisy.run, runs.numbers, noisy.errors_of, (first,)),
+            *(Series(noisy.alone(each).run, some, noisy.errors_of) for each in sensors),
         )
         by_sensor = {s: part.rms for s, part in zip(sensors, parts, strict=True)}
     return SpatialStudy(
@@ -301,16 +286,14 @@ def run_spatial(
         trajectory=trajectory,
         recording=recording,
         result=result,
-        seeds=seeds if errors is not None else 1,
-        rejected=_rejected(result, errors),
+        seeds=runs.seeds if errors is not None else 1,
+        rejected=int(
+            result.status == "rejected"
+            if errors is None
+            else np.isnan(errors.runs).any(axis=1).sum()
+        ),
         elapsed_s=time.perf_counter() - started,
     )
-
-
-def _rejected(result: Result, errors: Errors | None) -> int:
-    if errors is None:
-        return int(result.status == "rejected")
-    return int(np.isnan(errors.runs).any(axis=1).sum())
 
 
 def _bounds(
@@ -383,9 +366,7 @@ class _NoisyMotion(NamedTuple):
             return paper_method(self.robot, recording, "first-sample")
         return identify(self.robot, recording, self.method)
 
-    def errors(self, seed: int) -> Float[np.ndarray, " parameters"]:
-        _, result = self.run(seed)
-        return self.errors_of(result)
-
-    def errors_of(self, result: Result) -> Float[np.ndarray, " parameters"]:
-        return self.table.errors(self.table.found(result))
+    def errors_of(
+        self, made: tuple[Recording, Result]
+    ) -> Float[np.ndarray, " parameters"]:
+        return self.table.errors(self.table.found(made[1]))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.data_table import Cell, DataTable, Numeric, table_of
+from orbident.files.names import counted
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PLANAR_IDENTIFIED, PaperRow
 from orbident.studies.run_planar import PlanarStudy, PredictionScores
@@ -194,7 +195,7 @@ def _control(done: ControlStudy) -> StudyAccount:
         title="Tracking",
         words=(
             "Arm and base tracked in free flight, CAD off by 20 % in masses, first "
-            f"moments and inertias, {done.seeds} run{'' if done.seeds == 1 else 's'}: "
+            f"moments and inertias, {counted(done.seeds, 'run')}: "
             f"at least {done.factor:.3g} times better with the identified model.",
         ),
         tables=(table_of("Tracking errors", head, rows),),
@@ -202,9 +203,7 @@ def _control(done: ControlStudy) -> StudyAccount:
 
 
 def _runs(done: SpatialStudy | PlanarStudy | TableStudy) -> str:
-    return (
-        f"{done.seeds} seed{'' if done.seeds == 1 else 's'}, the first one's estimate"
-    )
+    return f"{counted(done.seeds, 'seed')}, the first one's estimate"
 
 
 def _method(name: str) -> str:

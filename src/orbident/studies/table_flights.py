@@ -16,7 +16,7 @@ from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import Result
 from orbident.estimation.solve import solve
-from orbident.model.kinematics import inertia_at
+from orbident.model.kinematics import JointState, inertia_at
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
@@ -83,13 +83,7 @@ class Delayed(NamedTuple):
     by: float
     """s."""
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-    ]:
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
         """Positions, rates and accelerations at these times."""
         return self.motion.at(np.maximum(t - self.by, 0.0))
 

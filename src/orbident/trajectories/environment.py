@@ -13,21 +13,21 @@ from orbident.files.schema_parts import (
     WrongValueError,
 )
 from orbident.robot.orbit_schema import OrbitEntry
-from orbident.robot.units import Lasting, Time, each_of, measure_of, quantity
+from orbident.robot.units import (
+    Lasting,
+    Time,
+    each_of,
+    measure_of,
+    quantity,
+    quantity_of,
+)
 
 
-def _signed(dimension: str) -> BeforeValidator:
-    return BeforeValidator(lambda value: quantity(value, dimension))
-
-
-def _above_zero(dimension: str) -> BeforeValidator:
-    def in_si(value: object) -> float:
-        number = quantity(value, dimension)
-        if number <= 0:
-            raise WrongValueError(f"give a {dimension} above zero")
-        return number
-
-    return BeforeValidator(in_si)
+def _lasting(value: object) -> float:
+    number = quantity(value, "time")
+    if number <= 0:
+        raise WrongValueError("give a time above zero")
+    return number
 
 
 Axes = tuple[float, float, float]
@@ -35,7 +35,7 @@ Torque = Annotated[Axes, each_of("torque")]
 Force = Annotated[Axes, each_of("force")]
 Dipole = Annotated[Axes, each_of("magnetic moment")]
 Lengths = Annotated[Axes, each_of("length")]
-Slope = Annotated[float, _signed("slope")]
+Slope = Annotated[float, quantity_of("slope")]
 
 
 class SlowTorque(MappingSchema):
@@ -56,7 +56,7 @@ class Burst(MappingSchema):
     """A constant force at S for a while, base axes, which nobody recorded."""
 
     start: Time
-    duration: Annotated[float, _above_zero("time")]
+    duration: Annotated[float, BeforeValidator(_lasting)]
     force: Force
 
 

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.files.names import listed
+from orbident.model.kinematics import JointState
 from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.environment import Environment
@@ -42,13 +43,7 @@ class FourierQuintic:
     duration: float
     """t_f, s."""
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-    ]:
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
         """Positions, rates and accelerations at the times `t`, s."""
         q, qd, qdd = self._sums(range(3), t)
         return q, qd, qdd
@@ -207,13 +202,7 @@ class Trajectory:
             f"{listed(self.joints)}{outside}"
         )
 
-    def at(
-        self, t: Float[np.ndarray, " samples"]
-    ) -> tuple[
-        Float[np.ndarray, "samples joints"],
-        Float[np.ndarray, "samples joints"],
-        Float[np.ndarray, "samples joints"],
-    ]:
+    def at(self, t: Float[np.ndarray, " samples"]) -> JointState:
         """Positions, rates and accelerations at these times (Eq. 41).
 
         Args:

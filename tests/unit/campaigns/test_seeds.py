@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from orbident.campaigns.executors import Executors, InThisProcess
-from orbident.campaigns.seeds import Errors, Series, over_seeds
+from orbident.campaigns.seeds import ONE_RUN, Errors, SeedRuns, Series
 from orbident.errors import InputError
 
 
 def once(run: Callable[[int], np.ndarray], seeds: range, **options) -> Errors:
-    (errors,) = over_seeds([Series(run, seeds)], **options)
+    (errors,) = SeedRuns(**options).over(Series(run, seeds))
     return errors
 
 
@@ -34,8 +34,8 @@ def test_several_series_wherever_they_run(executors: Executors):
         return np.array([float(seed)])
 
     known = (np.array([-1.0]), np.array([-2.0]))
-    series = [Series(run, range(100), known), Series(lambda k: -run(k), range(3))]
-    one, other = over_seeds(series, executors)
+    series = [Series(run, range(100), made=known), Series(lambda k: -run(k), range(3))]
+    one, other = SeedRuns(executors=executors).over(*series)
     np.testing.assert_array_equal(one.runs[:, 0], [-1.0, -2.0, *range(2, 100)])
     np.testing.assert_array_equal(other.runs[:, 0], [0, -1, -2])
     assert sorted(made) == sorted([*range(3), *range(2, 100)])
@@ -43,7 +43,7 @@ def test_several_series_wherever_they_run(executors: Executors):
 
 def test_what_is_known_is_not_run():
     assert once(lambda _: np.ones(1), range(1)).runs.shape == (1, 1)
-    (errors,) = over_seeds([Series(_fails, range(1), (np.zeros(2),))])
+    (errors,) = ONE_RUN.over(Series(_fails, range(1), made=(np.zeros(2),)))
     np.testing.assert_array_equal(errors.runs, [[0, 0]])
 
 

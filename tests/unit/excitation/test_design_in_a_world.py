@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design import HARMONICS, design_excitation, harmonics_tried
 from orbident.excitation.floating import was_at_rest
@@ -29,7 +29,7 @@ def scored(robot, trajectory):
     there = in_its_world(robot)
     score = scores_of(there, [(trajectory, floated(there, trajectory))])
     at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
-    bound = cramer_rao(there, trajectory, "at-rest" if at_rest else "unknown")
+    bound = bound_of(there, trajectory, "at-rest" if at_rest else "unknown").parameters
     std = np.sqrt(np.diag(bound.base.covariance))
     return score, float(np.exp(np.log(std).mean()))
 
@@ -73,7 +73,7 @@ def test_the_bound_agrees(request, name):
     assert alone.price is None
     there = in_its_world(robot)
     at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
-    known = cramer_rao(there, trajectory, "at-rest" if at_rest else "unknown")
+    known = bound_of(there, trajectory, "at-rest" if at_rest else "unknown").parameters
     assert score.deviations is not None
     ours = np.concatenate([[score.deviations.mass], score.deviations.pi])
     theirs = np.sqrt(

@@ -48,12 +48,6 @@ def test_coordinates_have_rates_of_unit_mean_square(motions):
     )
 
 
-def test_coordinates_come_back(motions):
-    y = np.random.default_rng(2).standard_normal((2, 2 * HARMONICS))
-    back = motions.coordinates(*motions.coefficients(y))
-    np.testing.assert_allclose(back, y, rtol=0, atol=ROUNDING)
-
-
 def test_the_same_motions_at_other_times(motions):
     coarse = motions.resampled(51)
     np.testing.assert_allclose(coarse.t, motions.t[::4], rtol=0, atol=ROUNDING)

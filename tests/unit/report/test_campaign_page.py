@@ -5,7 +5,6 @@ import pyarrow as pa
 import pytest
 from small_campaigns import begun
 
-from orbident.campaigns.conduct import failure_of
 from orbident.campaigns.folder import FAILED, Campaign, schema_of
 from orbident.files.text import write_text
 from orbident.report.campaign_page import campaign_report
@@ -44,7 +43,7 @@ def made_up(campaign: Campaign, scale: float) -> pa.Table:
 def test_the_report(tmp_path: Path, scale: float, headline: str):
     campaign, out = begun(tmp_path, runs=N + 1)
     (out / FAILED).mkdir()
-    write_text(failure_of(out, 60), '{"run": 60, "reason": "turns too fast"}')
+    write_text(out / FAILED / "60.json", '{"run": 60, "reason": "turns too fast"}')
     text = campaign_report(campaign, out, made_up(campaign, scale))
     assert headline in text
     for words in (

@@ -3,9 +3,10 @@
 import numpy as np
 from random_robots import random_planar_robot, random_robot, random_wheels
 
+from orbident import _core
+from orbident.model.core_robot import core_robot
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.robot.description import Robot, Wheel
-from orbident.simulation.measure import hybrid_dynamics
 
 PARENTS = (0, 1, 0)
 ROBOT = random_robot(1, PARENTS, (2,), random_wheels(2, ("held", "free")))
@@ -25,7 +26,8 @@ def some_state(robot):
 def forward_dynamics(robot, q, v, Q):
     """`v' = H+^-1 (Q - c+)`; in the plane, of what can move."""
     free = movable(robot).astype(float)
-    return hybrid_dynamics(robot, q, v, Q, np.zeros_like(v), free)[0]
+    core = core_robot(robot)
+    return _core.forward_dynamics(core, q, v, Q, np.zeros_like(v), free)[0]
 
 
 def inverse_dynamics(robot, q, v, vd):
@@ -104,7 +106,7 @@ def test_mixed_dynamics_keeps_what_is_known():
     q, v, vd = some_state(ROBOT)
     _, _, Q = some_state(ROBOT)
     free = np.array([1, 1, 1, 1, 1, 1, 0, 1, 0, 1, 0.0])
-    found, _ = hybrid_dynamics(ROBOT, q, v, Q, vd, free)
+    found, _ = _core.forward_dynamics(core_robot(ROBOT), q, v, Q, vd, free)
     np.testing.assert_array_equal(found[0, free == 0], vd[0, free == 0])
     force = inverse_dynamics(ROBOT, q, v, found)
     moved = free == 1

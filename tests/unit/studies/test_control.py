@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from orbident.campaigns.seeds import SeedRuns
 from orbident.robot.parameters import inertia_about_com
 from orbident.studies.control import FACTOR, off_by, run_control, tracked
 from orbident.studies.spatial import spatial_robot
@@ -25,7 +26,7 @@ def test_every_cad_value_is_off():
 
 def test_tracking_is_better_with_the_identified_model():
     """It is far better than asked for: noise-free, the torques are the true ones."""
-    done = run_control("none", seeds=1, first_seed=1)
+    done = run_control("none", SeedRuns(first=1))
     assert done.trusted
     assert done.factor > 1e3 * FACTOR
     assert done.errors["CAD"].joints > 1e-3

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orbident.campaigns.seeds import SeedRuns
 from orbident.excitation.guarantee import extremes_of
 from orbident.excitation.scores import compare_trajectories
 from orbident.report.study_page import write_study_report
@@ -21,7 +22,7 @@ def slow_sensors() -> TableStudy:
     """A fifth of the samples: seconds instead of a minute."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(table_flights.SENSORS, "rate", 10.0)
-        return run_table(first_seed=3)
+        return run_table(SeedRuns(first=3))
 
 
 def test_the_wheel_spins_up_from_rest_by_a_torque_that_ends():

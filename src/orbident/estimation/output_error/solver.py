@@ -110,7 +110,10 @@ def solved(
             damping, raised = max(raised * damping, DAMPING), 2 * raised
         taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
-    return solution_at(state, here, prior, weights, False, cost, tuple(taken))
+    # Where curvature makes every step too long or too short, the end comes slowly.
+    whole = prior.added(here.common, state)[:-1, -1]
+    near = float(whole @ whole) < SAME
+    return solution_at(state, here, prior, weights, near, cost, tuple(taken))
 
 
 def _corrected(

@@ -147,6 +147,7 @@ def recursive_history(
     h_cm: Float[np.ndarray, "3"] | None = None,
     false_alarms: float = LEVELS["change"],
     progress: Callable[[float], object] = lambda _: None,
+    changes: Sequence[Change] | None = None,
 ) -> History:
     """Estimate sample by sample, watch for changes, and open up after one.
 
@@ -156,6 +157,7 @@ def recursive_history(
         h_cm: the momentum where it is known, inertial axes, N m s.
         false_alarms: probability of one in this recording if nothing changes.
         progress: is called with the fraction of the samples that is done.
+        changes: where they are known, and none is watched for.
 
     Raises:
         InputError: no sample is complete.
@@ -164,7 +166,7 @@ def recursive_history(
     prior, t = cad_prior(robot), given.t
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
-    at = filter_history(robot, kalman, detector, given, h_cm, progress)
+    at = filter_history(robot, kalman, detector, given, h_cm, progress, changes)
     unknown = 0.0 if at.scale else np.nan
     nis, dof, statistic, _ = at.tests.T
     pi, phi = zip(*(kalman.sets.pi_and_phi(row) for row in at.beta), strict=True)
@@ -196,6 +198,7 @@ def filter_history(
     given: FilterInput,
     h_cm: Float[np.ndarray, "3"] | None,
     progress: Callable[[float], object] = lambda _: None,
+    known: Sequence[Change] | None = None,
 ) -> FilterHistory:
     """Take all samples in, one by one, and open up after every change.
 
@@ -206,22 +209,30 @@ def filter_history(
         given: the samples.
         h_cm: the momentum where it is known, inertial axes, N m s.
         progress: is called with the fraction of the samples that is done.
+        known: the changes, where none is watched for.
     """
+    left = [] if known is None else [*known]
+    threshold = detector.threshold if known is None else np.inf
     t, every, opening = given.t, given.samples, cad_covariance(robot, UNCERTAINTY)
     state = kalman.begun(cad_prior(robot), every[0], h_cm)
     watch, parts, changes, scale, done = detector.start(), [], [], False, 0
     while done < t.size:
         progress(done / t.size)
-        part = slice(done, done + PART)
+        next_one = int(np.searchsorted(t, left[0].t, "right")) if left else t.size
+        part = slice(done, min(done + PART, max(next_one, done + 1)))
         after, watch, count, onset, beta, std, tests = kalman.core.run(
-            state.core, watch, detector.threshold, t[part], every[part]
+            state.core, watch, threshold, t[part], every[part]
         )
         state, done = State(after), done + count
         parts.append((beta[:count], std[:count], tests[:count]))
+        changed = None
         if onset is not None:
-            changes.append(
-                detector.change(float(t[done - 1]), onset, float(tests[count - 1, 2]))
-            )
+            g = float(tests[count - 1, 2])
+            changed = detector.change(float(t[done - 1]), onset, g)
+        elif left and done >= next_one:
+            changed = left.pop(0)
+        if changed is not None:
+            changes.append(changed)
             scale |= kalman.core.scaled(state.core, robot.mass)
             state, watch = kalman.opened(state, opening), detector.start()
             std[count - 1] = np.sqrt(np.diag(state.covariance))
@@ -238,6 +249,8 @@ class Recursive:
     """
 
     name: str = "recursive"
+    changes: tuple[Change, ...] | None = None
+    """Where they are known; then none is watched for."""
 
     def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
         """Take the samples one by one.
@@ -246,7 +259,9 @@ class Recursive:
             InputError: no sample is complete.
         """
         robot, samples = problem.robot, problem.samples
-        history = recursive_history(robot, samples, problem.h_cm, progress=progress)
+        history = recursive_history(
+            robot, samples, problem.h_cm, progress=progress, changes=self.changes
+        )
         nothing = np.zeros((history.beta.shape[1], 0))
         last = BetaEstimate(history.beta[-1], history.covariance, nothing)
         since = history.t > (history.changes[-1].t if history.changes else -np.inf)

@@ -56,7 +56,11 @@ def open_mcap(path: Path) -> Iterator[Source]:
             for _, channel, message in _stream(whole, names):
                 yield RawMessage(channel.topic, message.log_time, message.data)
 
-        yield Source(path, topics, messages, (_cut_off(path),) if end < size else ())
+        note = (
+            f"{path}: is cut off: what is before is used; copy it again, unless the "
+            "recorder lost power"
+        )
+        yield Source(path, topics, messages, (note,) if end < size else ())
 
 
 class _Beginning:
@@ -84,13 +88,6 @@ def _whole_until(file: BinaryIO, size: int) -> int:
             return size if end + len(_MAGIC) <= size else at
         at = end
     return at
-
-
-def _cut_off(path: Path) -> str:
-    return (
-        f"{path}: is cut off: what is before is used; copy it again, unless the "
-        "recorder lost power"
-    )
 
 
 def _stream(whole: _Beginning, names: Collection[str] | None = None) -> Iterator:

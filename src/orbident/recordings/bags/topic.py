@@ -8,7 +8,6 @@ from typing import Any
 from orbident.errors import InputError
 from orbident.files.names import one_line
 from orbident.recordings.bags.libraries import (
-    MessageDefinition,
     MessageDefinitionFormat,
     Stores,
     TopicInfo,
@@ -112,9 +111,6 @@ def short_type(name: str) -> str:
 def described(name: str, info: TopicInfo, encoding: str) -> Topic:
     """A topic as the library rosbags describes it."""
     types = sorted({short_type(each.msgtype) for each in info.connections})
-    return Topic(name, " and ".join(types), info.msgcount, encoding, _text(info.msgdef))
-
-
-def _text(definition: MessageDefinition) -> str:
-    plain = definition.format == MessageDefinitionFormat.MSG
-    return definition.data if plain else ""
+    plain = info.msgdef.format == MessageDefinitionFormat.MSG
+    text = info.msgdef.data if plain else ""
+    return Topic(name, " and ".join(types), info.msgcount, encoding, text)

@@ -144,11 +144,6 @@ _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """What text in UTF-16 begins with."""
 
 
-def _is_version_4(start: bytes) -> bool:
-    """Whether it begins with the type of a matrix, a number below 5000."""
-    return min(int.from_bytes(start[:4], "little"), int.from_bytes(start[:4])) < 5000
-
-
 def _check_start(path: Path, kind: FileKind) -> None:
     """Refuse what is not what its suffix says."""
     with path.open("rb") as file:
@@ -165,7 +160,9 @@ def _check_start(path: Path, kind: FileKind) -> None:
         raise InputError(
             f"{path}: is text in UTF-16, which is not read; save it as CSV in UTF-8"
         )
-    if kind.name == "MATLAB" and _is_version_4(start):
+    # It begins with the type of a matrix, a number below 5000.
+    first = int.from_bytes(start[:4], "little"), int.from_bytes(start[:4])
+    if kind.name == "MATLAB" and min(first) < 5000:
         raise InputError(
             f"{path}: is a MATLAB file of version 4, which is not read; load it in "
             "MATLAB and save it again with 'save -v7'"

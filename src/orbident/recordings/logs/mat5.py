@@ -250,7 +250,8 @@ class _Parser:
             return self._struct(stream, sizes, end)
         if kind == _CELL:
             cells = list(self._matrices(stream, end))
-            if cells and all(map(_is_text, cells)):
+            problems = [getattr(each, "problem", "") for each in cells]
+            if cells and all(each.startswith("holds text") for each in problems):
                 return cells[0]
             return {str(k): each for k, each in enumerate(cells)}
         if kind == _CHAR:
@@ -332,10 +333,6 @@ class _Parser:
         data = stream.take(min(element.size, _LONGEST))
         stream.skip_to(element.end)
         return data
-
-
-def _is_text(field: LogField | Tree) -> bool:
-    return isinstance(field, LogField) and field.problem.startswith("holds text")
 
 
 def read_mat(path: Path, stack: ExitStack) -> Tree:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
 from orbident.errors import InputError
 from orbident.files.names import listed
@@ -117,13 +117,9 @@ class ConversionReport:
             "samples": self.samples,
             "start_ns": self.start_ns,
             "duration": self.duration,
-            "topics": [_plain(topic) for topic in self.topics],
+            "topics": [{**vars(x), "columns": list(x.columns)} for x in self.topics],
             "warnings": list(self.warnings),
         }
-
-
-def _plain(topic: TopicReport) -> dict[str, Any]:
-    return {**vars(topic), "columns": list(topic.columns)}
 
 
 def topic_report(
@@ -204,12 +200,6 @@ class Emptied:
                     empty[start + np.flatnonzero(mask)[:, None], columns] = True
                     reasons[sensor][reason] += int(mask.sum())
         return cls(empty, {sensor: dict(why) for sensor, why in reasons.items()})
-
-    def without(
-        self, values: Float[np.ndarray, "n columns"], rows: slice
-    ) -> Float[np.ndarray, "n columns"]:
-        """These samples, those that are no measurement as NaN."""
-        return np.where(self.empty[rows], np.nan, values)
 
 
 _BLOCK_ROWS = 32_768
@@ -352,7 +342,7 @@ def _blocks(
         for k, each in enumerate(used):
             low, high = np.searchsorted(indices[k], [start, stop])
             values = each.values.rows.gather(each.order[low:high])
-            values = emptied[k].without(values, slice(low, high))
+            values = np.where(emptied[k].empty[low:high], np.nan, values)
             block[indices[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block
         said(0.75 + 0.25 * stop / rows.size)

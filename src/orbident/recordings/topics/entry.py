@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import MappingSchema, finite_vector
+from orbident.files.schema_parts import MappingSchema, Name, finite_vector
 
 Quaternions = Float[np.ndarray, "#n 4"]
 Vectors = Float[np.ndarray, "#n 3"]
@@ -39,7 +39,6 @@ def rotate_by_quaternion(x: Quaternions, v: Vectors) -> Vectors:
     return v + 2 * np.cross(u, np.cross(u, v) + a * v)
 
 
-Name = Annotated[str, Field(min_length=1)]
 TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
 """What is in, or of, the base's axes."""
 AT_S = {"accelerometer", "position", "velocity", "torque"}

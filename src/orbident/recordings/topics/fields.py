@@ -11,9 +11,9 @@ from jaxtyping import Float, Int
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import WrongValueError
+from orbident.files.schema_parts import Name, WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.entry import Entry, Extraction, Mounted, Name
+from orbident.recordings.topics.entry import Entry, Extraction, Mounted
 from orbident.recordings.topics.targets import (
     DIMENSIONS,
     TIMES,

@@ -16,11 +16,11 @@ from jaxtyping import Float
 from pydantic import Field, create_model, model_validator
 
 from orbident.errors import InputError
+from orbident.files.schema_parts import Name
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.topics.entry import (
     Entry,
     Extraction,
-    Name,
     Take,
     conjugate,
     header_stamp,

@@ -31,7 +31,7 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "angle": UNITS["angle"],
     "angular rate": {**UNITS["angular rate"], "rpm": 2 * math.pi / 60},
     "length": UNITS["length"],
-    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+    "velocity": UNITS["speed"],
     "acceleration": UNITS["acceleration"],
     "force": {"N": 1.0, "mN": 1e-3},
     "torque": {"N m": 1.0, "mN m": 1e-3},

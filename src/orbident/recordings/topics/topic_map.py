@@ -40,10 +40,10 @@ def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, .
     place = place or str(path)
     document = read_yaml_mapping(read_text(Path(path)), place, SCHEMA)
     file = validated(_TopicMap, document, place)
-    entries = tuple(
-        _entry(each, _where(place, number, each))
-        for number, each in enumerate(file.topics)
-    )
+    entries: list[Entry] = []
+    for number, each in enumerate(file.topics):
+        topic = f" ({each['topic']})" if each.get("topic") else ""
+        entries.append(_entry(each, f"{place}: topics[{number}]{topic}"))
     fed: dict[str, str] = {}
     for entry in entries:
         for column in entry.columns:
@@ -53,12 +53,7 @@ def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, .
                     f"'{entry.topic}'; keep one"
                 )
             fed[column] = entry.topic
-    return entries
-
-
-def _where(place: str, number: int, entry: Mapping[str, Any]) -> str:
-    topic = entry.get("topic")
-    return f"{place}: topics[{number}]" + (f" ({topic})" if topic else "")
+    return tuple(entries)
 
 
 def _entry(document: dict[str, Any], place: str) -> Entry:

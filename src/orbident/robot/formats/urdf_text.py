@@ -2,6 +2,8 @@
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from typing import SupportsFloat
 
 import numpy as np
 from jaxtyping import Float
@@ -34,15 +36,23 @@ def urdf_text(tree: Urdf) -> str:
 def _link(link: UrdfLink) -> ET.Element:
     element = ET.Element("link", name=link.name)
     if link.mass or link.I_com.any():
-        inertial = ET.SubElement(element, "inertial")
-        ET.SubElement(inertial, "origin", xyz=_listed(link.com))
-        ET.SubElement(inertial, "mass", value=repr(float(link.mass)))
-        entries = {
-            f"i{'xyz'[a]}{'xyz'[b]}": repr(float(link.I_com[a, b]))
-            for a in range(3)
-            for b in range(a, 3)
-        }
-        ET.SubElement(inertial, "inertia", entries)
+        element.append(inertial_element(link.mass, link.com, link.I_com))
+    return element
+
+
+def inertial_element(
+    mass: float, com: Float[np.ndarray, "3"], I_com: Float[np.ndarray, "3 3"]
+) -> ET.Element:
+    """A link's mass, CM and inertia about the CM, in the link's axes; SI."""
+    element = ET.Element("inertial")
+    ET.SubElement(element, "origin", xyz=spaced(com))
+    ET.SubElement(element, "mass", value=repr(float(mass)))
+    entries = {
+        f"i{'xyz'[a]}{'xyz'[b]}": repr(float(I_com[a, b]))
+        for a in range(3)
+        for b in range(a, 3)
+    }
+    ET.SubElement(element, "inertia", entries)
     return element
 
 
@@ -53,11 +63,14 @@ def _joint(joint: UrdfJoint) -> ET.Element:
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
     ET.SubElement(
-        element, "origin", xyz=_listed(joint.p), rpy=_listed(roll_pitch_yaw(joint.R))
+        element,
+        "origin",
+        xyz=spaced(joint.p),
+        rpy=spaced(roll_pitch_yaw(joint.R)),
     )
     if joint.kind == "fixed":
         return element
-    ET.SubElement(element, "axis", xyz=_listed(joint.axis))
+    ET.SubElement(element, "axis", xyz=spaced(joint.axis))
     lower, upper = joint.position or (-UNLIMITED, UNLIMITED)
     limit = {"effort": UNLIMITED, "velocity": joint.velocity or UNLIMITED}
     if not free:
@@ -82,7 +95,8 @@ def _transmission(joint: str, gear: float) -> ET.Element:
     return element
 
 
-def _listed(numbers: Float[np.ndarray, "3"]) -> str:
+def spaced(numbers: Iterable[SupportsFloat]) -> str:
+    """Numbers as an attribute holds several, to the last bit."""
     return " ".join(repr(float(x)) for x in numbers)
 
 
