@@ -6,7 +6,7 @@ from urdf_texts import ARM
 
 from orbident.errors import InputError
 from orbident.estimation.weigh import weigh
-from orbident.excitation.bound import cramer_rao
+from orbident.excitation.bound import bound_of
 from orbident.excitation.design import design_excitation
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive
@@ -74,7 +74,7 @@ def test_what_takes_none_says_so(load_yaml, tmp_path):
     for asked in (
         lambda: simulate(robot, motion),
         lambda: design_excitation(robot),
-        lambda: cramer_rao(robot, motion),
+        lambda: bound_of(robot, motion),
         lambda: weigh(robot, Recording(np.arange(3.0), {}, "burn.csv")),
     ):
         with pytest.raises(InputError, match="joint 'joint2' is passive, and the"):
