@@ -110,7 +110,8 @@ def springs_of(
         frequency = declared.frequency * np.exp(rate.value)
         share = declared.damping * np.exp(damping.value - rate.value)
         std = np.hypot(damping.std, rate.std)
-        found[name] = SpringFit(frequency, frequency * rate.std, share, share * std)
+        numbers = (frequency, frequency * rate.std, share, share * std)
+        found[name] = SpringFit(*map(float, numbers))
     return found
 
 
