@@ -11,12 +11,12 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 302,
-    "lines": 57_616,
-    "files of estimation": 47,
-    "lines of estimation": 10_477,
+    "files": 306,
+    "lines": 58_756,
+    "files of estimation": 49,
+    "lines of estimation": 11_005,
     "files with one user": 66,
-    "imports below each other": 30,
+    "imports below each other": 31,
     "numbers without a reason": 38,
 }
 

@@ -1,5 +1,6 @@
 """Shooting intervals of a simulated motion, as output error sees them."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from orbident.model.core_robot import core_tree, wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
+from orbident.model.springs import carried_inertia
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import free_floating
 from orbident.simulation.measure import accelerations
@@ -68,10 +70,12 @@ def segment_of(
     substeps: int = 1,
     intervals: int = 1,
     errors: Errors | None = None,
+    passive: Sequence[int] = (),
 ) -> Segment:
     """A segment from the simulator, at every node; nothing is interpolated.
 
-    With errors of the instruments, these are shown, and all are unknowns.
+    With errors of the instruments, these are shown, and all are unknowns. Passive
+    joints swing as their springs want, from any state: not as the simulator's did.
     """
     by = errors or no_errors(robot)
     believed, robot = robot, by.robot(robot)
@@ -115,6 +119,12 @@ def segment_of(
     edges = np.round(np.linspace(0, rows, intervals + 1))
     local = np.zeros((intervals + 1, 9 + 2 * joints))
     local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
+    for history in (q, qd, qdd):
+        history[:, list(passive)] = 0.0
+    random = np.random.default_rng(seed)
+    for k in passive:
+        local[:, [9 + k, 9 + joints + k]] = random.standard_normal((len(local), 2))
+    laws = [[9.0, 0.5, 1.0, 1.0, *carried_inertia(believed, k)] for k in passive]
     recorded = _core.Recorded(
         tree=core_tree(believed),
         theta_0=robot.theta.ravel() - sets.base.theta_of @ sets.beta(robot.theta),
@@ -136,6 +146,8 @@ def segment_of(
         first=np.ones(9 + 2 * joints),
         corrections=np.ones(2 * joints),
         walk=np.ones(9),
+        passive=np.array(passive, dtype=float),
+        laws=np.reshape(laws, (len(passive), 4 + robot.theta.size)),
     )
     common = np.concatenate([*outside, sets.beta(robot.theta)])
     assert common.size == OUTSIDE + sets.base.theta_of.shape[1]

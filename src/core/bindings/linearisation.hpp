@@ -15,11 +15,39 @@ inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& car
   memory.by_qd = by.data() + by.size() / 2;
 }
 
+// Memory for the momenta of joints and their derivatives.
+class OwnedJointMomenta {
+ public:
+  OwnedJointMomenta(const Tree& tree, int directions)
+      : bodies_(tree),
+        plain_(tree),
+        units_(static_cast<std::size_t>(tree.bodies())),
+        numbers_(static_cast<std::size_t>(PER_BODY * tree.bodies() + 4 * tree.joints)),
+        table_(static_cast<std::size_t>((3 + 2 * tree.joints) * (1 + directions))) {
+    const int K = tree.joints;
+    Directions* const joints = numbers_.data() + PER_BODY * tree.bodies();
+    at = {bodies_.at, plain_.at,      units_.data(),  numbers_.data(),           joints,
+          joints + K, joints + 2 * K, joints + 3 * K, table_.data() + 3 + 2 * K, table_.data()};
+  }
+  OwnedJointMomenta(const OwnedJointMomenta&) = delete;
+  JointMomentaMemory at;
+
+ private:
+  BodiesMemory<Directions> bodies_;
+  BodiesMemory<double> plain_;
+  std::vector<Momentum<double>> units_;
+  std::vector<Directions> numbers_;
+  std::vector<double> table_;
+};
+
 // Memory for one end of the elimination.
 class OwnedSweep {
  public:
-  explicit OwnedSweep(const Recorded& all) : bodies_(all.tree) {
+  // `selected`: the places of the calibrations that are unknowns.
+  OwnedSweep(const Recorded& all, const std::vector<int>& selected)
+      : bodies_(all.tree), places_(all, selected), own_(all.tree, places_.all.count()) {
     const int K = all.tree.joints, n = all.stride(), unknowns = all.columns.count();
+    const int P = all.springs, rates = 3 + P, states = 3 + 2 * P;
     int longest = 0;
     for (int k = 0; k < all.intervals; ++k)
       longest = std::max(longest, all.edge[k + 1] - all.edge[k]);
@@ -27,17 +55,27 @@ class OwnedSweep {
     by_.resize(2 * static_cast<std::size_t>(K));
     IntervalMemory& interval = at.interval;
     use(bodies_.at, carried_, by_, interval.terms);
-    interval.q = take(K);
-    interval.qd = take(K);
-    interval.qdd = take(K);
-    for (JointState& shown : interval.shown)
-      shown = {take(K), take(K), take(K), take(all.wheels), take(all.wheels)};
+    const auto state = [&]() -> JointState {
+      return {take(K), take(K), take(K), take(all.wheels), take(all.wheels)};
+    };
+    for (JointState& after : interval.after) after = state();
+    const auto reads = [&](JointNode& node) {
+      node.q = take(K);
+      node.qd = take(K);
+      node.qdd = take(K);
+      node.shown = state();
+    };
     for (int k = 0; k < 3; ++k) {
-      interval.node[k].by = take(BY_ROWS * unknowns);
+      JointNode& node = interval.node[k];
+      node.by = take(BY_ROWS * unknowns);
+      reads(node);
       BaseNode& base = interval.base[k];
-      base.G = take(3 * unknowns);
-      base.phi = take(3 * unknowns);
-      base.dw = take(3 * unknowns);
+      base.G = take(states * unknowns);
+      base.phi = take(states * unknowns);
+      base.dw = take(rates * unknowns);
+      passive_[k] = {
+          take(P), take(P), take(P), take(P), take(P), take(rates * states), take(states * states)};
+      base.passive = &passive_[k];
       base.own_by = take(all.substeps > 1 ? BY_R * unknowns : 0);
       interval.velocity[k] = take(3 * unknowns);
     }
@@ -49,7 +87,25 @@ class OwnedSweep {
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
     at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting + 3) * n);
-    at.continuity = take(BIASES * n);
+    at.continuity = take(std::ptrdiff_t(BIASES + 2 * P) * n);
+    if (P == 0) return;
+    PassiveMemory& own = interval.own;
+    own.places = places_.all;
+    own.at = own_.at;
+    own.geometry = places_.fields.data();
+    own.displaced = places_.displaced.data();
+    own.place = places_.place.data();
+    own.m = take(rates);
+    own.D_qq = take(K * K);
+    own.inertia = take(rates * rates);
+    own.U = take(rates * rates);
+    own.H = take(rates * states);
+    own.L = take(states * rates);
+    own.C = take(states * unknowns);
+    own.K = take(states * unknowns);
+    own.last = take(states * unknowns);
+    own.rates = take(8 * P);
+    for (JointNode& node : own.joints) reads(node);
   }
   OwnedSweep(const OwnedSweep&) = delete;
   SweepMemory at;
@@ -58,7 +114,27 @@ class OwnedSweep {
   double* take(std::ptrdiff_t count) {
     return room_.emplace_back(static_cast<std::size_t>(count), 0.0).data();
   }
+  // The directions in which passive joints' motion changes; none where there are no such joints.
+  struct Places {
+    DirectionPlaces all{0, 0, 0};
+    std::vector<int> place, displaced;
+    std::vector<Motion<double>> fields;
+    Places(const Recorded& recorded, const std::vector<int>& selected) {
+      if (recorded.springs == 0) return;
+      const CalibrationPlaces places = recorded.places();
+      for (const int each : selected) {
+        if (!places.is_geometry(each)) continue;
+        place.push_back(each);
+        displaced.push_back((each - places.place()) / 3 % places.joints);
+      }
+      fields.resize(place.size());
+      all = {recorded.tree.joints, recorded.columns.betas, static_cast<int>(place.size())};
+    }
+  };
   BodiesMemory<double> bodies_;
+  Places places_;
+  OwnedJointMomenta own_;
+  PassiveNode passive_[3];
   std::vector<Momentum<double>> carried_;
   std::vector<MomentumTerms> by_;
   std::vector<std::vector<double>> room_;

@@ -21,7 +21,7 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
   double cost[2] = {0.0, 0.0};
   {
     nb::gil_scoped_release release;
-    OwnedSweep forward(all), backward(all);
+    OwnedSweep forward(all, call.selected), backward(all, call.selected);
     parallel_for(2, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       for (std::ptrdiff_t k = first; k < last; ++k)
         cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at,
@@ -44,16 +44,16 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
-  OwnedSweep memory(all);
+  OwnedSweep memory(all, call.selected);
   EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), all.momentum, 0, 0.0};
   EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(),
                            all.momentum,         0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
-  Out<2> table(sensed.rows + BIASES + 2 * L, width);
+  Out<2> table(sensed.rows + continuity.rows + 2 * L, width);
   double* to = table.data();
   for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},
-                                   {continuity.table, BIASES},
+                                   {continuity.table, continuity.rows},
                                    {memory.at.R, 2 * L}})
     for (int k = 0; k < rows; ++k, to += width)
       std::copy_n(from + std::ptrdiff_t(k) * n, width, to);
@@ -93,6 +93,30 @@ auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array&
   return table.give();
 }
 
+auto joint_momenta_of(const OwnedTree& owned, const Array& theta_of_, const Array& beta_,
+                      const Array& q_, const Array& qd_, const Array& w_) {
+  const Tree tree = owned.view();
+  const std::int64_t K = tree.joints, B = tree.bodies();
+  const auto dense = input<2>("theta_of", theta_of_, {PER_BODY * B, ANY});
+  const OwnedSparse theta_of = sparse(dense);
+  const auto beta = input<1>("beta", beta_, {dense.size(1)});
+  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}), w = input<1>("w", w_, {3});
+  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> of(
+      dense.data(), dense.size(0), dense.size(1));
+  const Eigen::VectorXd theta = of * Eigen::Map<const Eigen::VectorXd>(beta.data(), beta.size(0));
+  const DirectionPlaces places{static_cast<int>(K), static_cast<int>(beta.size(0)), 0};
+  OwnedJointMomenta memory(tree, places.count());
+  differentiate_joint_momenta(tree, theta_of.view(), theta.data(), q.data(), qd.data(),
+                              Vector3<double>(w.data()), places, nullptr, nullptr, memory.at);
+  Out<2> table(3 + 2 * K, 1 + places.count());
+  for (std::int64_t k = 0; k < 3 + 2 * K; ++k) {
+    double* row = table.data() + k * (1 + places.count());
+    row[0] = memory.at.values[k];
+    std::copy_n(memory.at.slopes + k * places.count(), places.count(), row + 1);
+  }
+  return table.give();
+}
+
 auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
   const auto links = input<3>("links", links_, {ANY, ANY, ANY});
   const std::int64_t intervals = links.size(0), L = links.size(1), width = links.size(2);
@@ -115,9 +139,12 @@ void bind_output_error(nb::module_& m) {
            nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
            nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
+           nb::arg("passive"), nb::arg("laws"),
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
-           "attitude and biases walk in a second.")
+           "attitude and biases walk in a second. `passive`: joints that nobody measures; "
+           "`laws` of each: squared rate, damping rate, walks of its position and rate, and by "
+           "theta the inertia that it carries.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
       .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
@@ -138,6 +165,10 @@ void bind_output_error(nb::module_& m) {
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),
         "D (xx, xy, xz, yy, yz, zz), D_q qd, r_cm, J_cm qd: values, rates, by q, qd and beta.");
+  m.def("joint_momenta", &joint_momenta_of, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
+        nb::arg("q"), nb::arg("qd"), nb::arg("w"),
+        "Momentum of all bodies, momenta of the joints and slopes of the energy by q: values, by "
+        "w, qd, q and beta.");
   m.def("boundaries", &boundaries_of, nb::arg("links"), nb::arg("z"), nb::arg("g"),
         "The unknowns of every boundary, from those of the meeting one and the common ones.");
 }

@@ -1,6 +1,7 @@
 // A recording cut into shooting intervals, checked and owned.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ struct OwnedRecorded {
   std::vector<In<2>> samples;
   In<1> first, corrections, walk;
   int lasting;
+  std::vector<Spring> springs;
+  In<2> laws;
 
   std::int64_t axes(std::size_t sensor) const {
     return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
@@ -73,6 +76,8 @@ struct OwnedRecorded {
     all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
     all.lasting = lasting;
+    all.spring = springs.data();
+    all.springs = static_cast<int>(springs.size());
     all.momentum = -1;
     all.first = first.data();
     all.prior = corrections.data();
@@ -93,7 +98,7 @@ inline OwnedRecorded make_recorded(
     const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& corrections, const Array& walk) {
+    const Array& corrections, const Array& walk, const Array& passive_, const Array& laws_) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -139,7 +144,25 @@ inline OwnedRecorded make_recorded(
                     of_first,
                     input<1>("corrections", corrections, {2 * C}),
                     input<1>("walk", walk, {BIASES}),
-                    static_cast<int>(lasting)};
+                    static_cast<int>(lasting),
+                    {},
+                    {}};
+  const auto passive =
+      whole_numbers("passive", input<1>("passive", passive_, {ANY}), static_cast<double>(K));
+  all.laws =
+      input<2>("laws", laws_, {static_cast<std::int64_t>(passive.size()), 4 + PER_BODY * (K + 1)});
+  for (std::size_t e = 0; e < passive.size(); ++e) {
+    const double* law = all.laws.data() + static_cast<std::ptrdiff_t>(e) * all.laws.size(1);
+    const auto at = std::find(all.corrected.begin(), all.corrected.end(), passive[e]);
+    if (at == all.corrected.end()) throw nb::value_error("passive: a joint has no corrections");
+    if (!(law[2] > 0.0 && law[3] > 0.0)) throw nb::value_error("laws: a walk is not above zero");
+    all.springs.push_back({passive[e],
+                           static_cast<int>(at - all.corrected.begin()),
+                           law[0],
+                           law[1],
+                           {law[2], law[3]},
+                           law + 4});
+  }
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
   for (std::size_t k = 0; k < SENSORS; ++k) {
     const bool absent = samples[k].ndim() > 0 && samples[k].shape(0) == 0;

@@ -9,7 +9,12 @@ from typing import Any
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
-from orbident.report.parameter_section import TITLES, mass_rows, routes_left_out
+from orbident.report.parameter_section import (
+    TITLES,
+    mass_rows,
+    routes_left_out,
+    spring_table,
+)
 
 NOTES = 2
 """Notes that are printed with a refusal: it has eight lines at most."""
@@ -36,12 +41,14 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     if result.status == "rejected":
         return [*_refused(result, everything), *written]
     if everything:
-        lines = [*result.summary()[:2], *_everything(result), *_sensitivity(result)]
-        return [*lines, *budget_lines(result.budget()), *written]
+        lines = [*result.summary()[:2], *_everything(result), *_springs(result)]
+        lines += [*_sensitivity(result), *budget_lines(result.budget())]
+        return [*lines, *written]
     return [
         *result.summary(),
         "",
         *_goodness(result),
+        *_springs(result),
         *_limits(result.budget()),
         *([NOTHING_ACTS.format(result.widened_by)] if result.allowed else []),
         *_sensitivity(result),
@@ -135,6 +142,12 @@ def _calibration(result: Any) -> list[str]:
         for name, fit in result.calibration.items()
     ]
     return ["", "calibration errors, SI or relative", *lines] if lines else []
+
+
+def _springs(result: Any) -> list[str | DataTable]:
+    """How passive joints swing."""
+    table = spring_table(result)
+    return [table] if table.rows else []
 
 
 def _disturbances(result: Any) -> list[str]:

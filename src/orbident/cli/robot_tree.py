@@ -10,6 +10,7 @@ from orbident.robot.description import (
     Coupling,
     GearedRotor,
     Joint,
+    Passive,
     Robot,
     Wheel,
 )
@@ -44,6 +45,7 @@ def robot_tree(robot: Robot) -> Tree:
     for k, joint in enumerate(robot.joints, start=1):
         how = _joint_words(joint) + follows.get(joint.name, "")
         how += rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
+        how += passive_words(robot.passive.get(joint.name))
         words = f"{joint.name}  {how}\n{robot.bodies[k]}  "
         nodes.append(nodes[joint.parent].add(words + _body_words(robot, k)))
     for wheel in robot.wheels:
@@ -54,6 +56,16 @@ def robot_tree(robot: Robot) -> Tree:
             f"{_vector(thruster.direction)}"
         )
     return tree
+
+
+def passive_words(passive: Passive | None) -> str:
+    """That nobody measures it, and how it swings."""
+    if passive is None:
+        return ""
+    return (
+        f", passive at {passive.frequency:.4g} Hz +- {100 * passive.tolerance:.3g} %, "
+        f"damped by {100 * passive.damping:.3g} %"
+    )
 
 
 def wheel_words(wheel: Wheel) -> str:

@@ -28,8 +28,8 @@ from orbident.robot.description import Robot
 
 Kind = Literal["noise", "recording", "instrument", "other"]
 """The `noise` of a sensor; what is another one in each `recording`, such as its
-momentum and what acts from outside; an error of an `instrument`, the same in all. Only
-the nominal values, of which hardly anything is believed, are an `other`."""
+momentum and what acts from outside; an error of an `instrument`, the same in all. What
+is known of the parameters beforehand is an `other`."""
 
 SHOWN = 0.005
 """Smaller shares, and deviations wider by less, are not in tables."""

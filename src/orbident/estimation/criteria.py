@@ -18,6 +18,7 @@ from orbident.estimation.parameter_checks import (
     mass_checks,
     positive_energy,
     possible_numbers,
+    what_swings,
 )
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import changes_in_words
@@ -72,6 +73,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_agreement(solved),
             *mass_checks(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
+            *what_swings(robot.passive, estimate.springs, estimate.carried),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_thrusters(shown or estimate),

@@ -20,7 +20,12 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence, Shared, Solution
-from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
+from orbident.estimation.unknowns import (
+    CalibrationFit,
+    DisturbanceFit,
+    Sensitivity,
+    SpringFit,
+)
 from orbident.files.json_parts import Keyed, NullableNumber, NumberOrNone, Unwritten
 from orbident.files.schema_parts import WrongValueError
 from orbident.preprocessing.origins import Origin
@@ -121,6 +126,8 @@ class BesideParameters:
     """The biases of sensors, with their standard deviations; SI."""
     calibration: Mapping[str, Keyed[CalibrationFit]] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
+    springs: Mapping[str, Keyed[SpringFit]] = field(default_factory=dict)
+    """How passive joints swing, by joint."""
     disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
     """What acted from outside, where the recording shows that something did."""
     allowed: Mapping[str, NullableNumber] = field(default_factory=dict)
@@ -151,6 +158,8 @@ class Estimate(BesideParameters):
     """Groups that act more than the robot's world, or its file, says that they may."""
     rest: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
     """How much more momentum was found than a robot at rest may have."""
+    carried: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
+    """How far what passive joints carry is from what was known of it beforehand."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     sources: Callable[[], ErrorSources] | None = None
@@ -203,10 +212,11 @@ def estimate_of_beta(
         route: to the mass, in words.
         rms: the root mean square residual of each sensor or equation; SI.
         goodness: how large all residuals are.
-        disturbed: something was found to act, of which Eq. 32 knows nothing.
+        disturbed: something was found to act, of which Eq. 32 knows nothing, as it
+            knows nothing of joints that nobody measures.
     """
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not (problem.samples.unknown_thrust or disturbed):
+    if not (problem.samples.unknown_thrust or disturbed or problem.robot.passive):
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

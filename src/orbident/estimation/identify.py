@@ -34,6 +34,7 @@ from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import RecordingLike, recording_of
 from orbident.robot.description import Robot
+from orbident.robot.passive_joints import require_measured
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
 
@@ -108,6 +109,9 @@ def identify(
     started = time.perf_counter()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
     estimator = estimator_of(method)
+    if not isinstance(estimator, OutputError):
+        instead = "use --method maximum-likelihood"
+        require_measured(robot, f"method {estimator.name}", instead)
     recordings = _recordings(recording, estimator)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)

@@ -50,6 +50,8 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
         isinstance(estimator, OutputError) or in_whole(problem)
     )
     sized = FEWEST <= t.size <= LONGEST and by_sensors
+    # Eqs. 24 and 31 tell when only where all joints are measured.
+    sized = sized and not problem.robot.passive
     if solved.hindered or not sized or _fits(solved):
         return solved
     # As it was recorded: nothing is subtracted that was taken for something else.

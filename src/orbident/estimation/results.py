@@ -188,11 +188,17 @@ def _mass_forms(
 def _calibration(
     problem: MomentumProblem, estimate: Estimate
 ) -> dict[str, CalibrationFit]:
-    """That of a clock that was corrected is said with the clocks.
+    """That of a clock that was corrected is said with the clocks, and springs apart.
 
-    Where it has a tolerance, it is how late the clock is in all.
+    Where a clock has a tolerance, it is how late the clock is in all.
     """
-    found, known = {**estimate.calibration}, problem.robot.tolerances.joint_clock
+    springs = {
+        f"joint.{name}.{what}"
+        for name in problem.robot.passive
+        for what in ("frequency", "damping")
+    }
+    found = {n: fit for n, fit in estimate.calibration.items() if n not in springs}
+    known = problem.robot.tolerances.joint_clock
     late = problem.late.get("joints", 0.0)
     if late and CLOCK in found:
         rest = found.pop(CLOCK)

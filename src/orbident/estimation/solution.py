@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.linalg import solve_triangular
 
 from orbident import _core
@@ -98,6 +98,11 @@ class Unknowns(NamedTuple):
         own = self.common[: self.common.size - self.selected.size]
         chosen = [values.get(place, 0.0) for place in places]
         return self._replace(common=np.append(own, chosen), selected=places)
+
+    def at(self, boundaries: Bool[np.ndarray, " boundaries"]) -> "Unknowns":
+        """The state with some boundaries alone."""
+        x_WB, local = self.x_WB[boundaries], self.local[boundaries]
+        return self._replace(x_WB=x_WB, local=local)
 
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
@@ -198,6 +203,13 @@ class Prior(NamedTuple):
     """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
     measured: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
     """The same of what scales and balances said."""
+    carried: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
+    """The same of what passive joints carry."""
+
+    @property
+    def equations(self) -> tuple[Float[np.ndarray, "rows columns"], ...]:
+        """All equations."""
+        return self.others, self.measured, self.carried
 
     def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
         """The prior with more unknowns, which are zero with these deviations."""
@@ -212,7 +224,7 @@ class Prior(NamedTuple):
         """Add the prior to a triangular factor over changes of `[g, rhs]`."""
         rhs = (self.values - state.common) / self.std
         factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
-        for equations in (self.others, self.measured):
+        for equations in self.equations:
             if len(equations):
                 first = equations.shape[1] - 1
                 rows = np.zeros((len(equations), len(factor)))
@@ -224,7 +236,7 @@ class Prior(NamedTuple):
     def cost(self, state: Unknowns) -> float:
         """Squared, whitened."""
         own = (state.common - self.values) / self.std
-        more = (_unexplained(x, state) for x in (self.others, self.measured))
+        more = (_unexplained(x, state) for x in self.equations)
         return float(np.sum(own**2) + sum(np.sum(each**2) for each in more))
 
 

@@ -23,6 +23,17 @@ class CalibrationFit(NamedTuple):
     that is further off than that, and so was free."""
 
 
+class SpringFit(NamedTuple):
+    """How a passive joint swings where the body that carries it is held."""
+
+    frequency: FiniteNumber
+    """Hz."""
+    frequency_std: FiniteNumber
+    damping: FiniteNumber
+    """Over critical damping."""
+    damping_std: FiniteNumber
+
+
 class Sensitivity(NamedTuple):
     """What undeclared calibration errors would do to the base parameters."""
 

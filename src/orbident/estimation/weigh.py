@@ -35,6 +35,7 @@ from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import Wrenches, recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.passive_joints import require_measured
 
 Vectors = Float[np.ndarray, "n 3"]
 Matrices = Float[np.ndarray, "n 3 3"]
@@ -268,8 +269,9 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
 
     Raises:
         InputError: a column is missing, empty or of a thruster that the robot lacks,
-            the force is zero throughout, or a joint moved.
+            the force is zero throughout, a joint moved, or one is passive.
     """
+    require_measured(robot, "the mass by a burn")
     recording = recording.with_joints_of(robot)
     recording.check_thrusters(robot)
     _check_locked(robot, recording)

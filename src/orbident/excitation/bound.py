@@ -38,6 +38,7 @@ from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
+from orbident.robot.passive_joints import require_measured
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along
@@ -71,6 +72,7 @@ def bound_of(
         InputError: the robot file has no noise of a sensor of the base, or the
             trajectory is not for the robot.
     """
+    require_measured(robot, "the bound of a motion")
     _check_noise(robot)
     sets = minimal_sets(robot)
     declared = robot.sensors

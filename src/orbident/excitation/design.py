@@ -28,6 +28,7 @@ from orbident.excitation.search import (
 from orbident.files.json_parts import nulled
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
+from orbident.robot.passive_joints import require_measured
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
@@ -123,6 +124,7 @@ def design_excitation(
     """
     _check(objective, starts, budget, uncertainty)
     began = time.perf_counter()
+    require_measured(robot, "the design of a motion")
     given = conditions or conditions_for(robot, duration, harmonics)
     objective = objective or usual_objective(robot, given)
     if beside:

@@ -40,6 +40,7 @@ from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Joint, Robot, Wheel
+from orbident.robot.passive_joints import require_measured
 
 SPARSE = (
     "theta_of_linear",
@@ -366,6 +367,7 @@ def samples_for_flight(
         InputError: a column is missing, or there are too few samples.
     """
     robot = source.robot if isinstance(source, Result) else source
+    require_measured(robot, "the filter")
     check_regular(robot)
     clean = screened(robot, recording.with_joints_of(robot)).recording
     if not isinstance(source, Result):

@@ -36,6 +36,7 @@ from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.parameters import cross_matrix
+from orbident.robot.passive_joints import require_measured
 from orbident.simulation.free_floating import RateLaw, float_attitude, rate_law
 
 TOLERANCE = 1e-8
@@ -74,6 +75,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
     result.check_accepted()
     _check_complete(result)
     robot, sets = result.robot, minimal_sets(result.robot)
+    require_measured(robot, "prediction", "identify every recording by itself")
     _check_sizes(result, sets)
     regressors = sets.regressors
     pi, phi = result.pi.values, result.phi.values

@@ -33,6 +33,7 @@ from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.sources import complete
 from orbident.live.stream_clocks import DIGITS, RATE, Row, StreamClock, StreamClocks
 from orbident.robot.description import Robot
+from orbident.robot.passive_joints import require_measured
 
 ONSET = 1.0
 """s: what comes on more slowly the filter follows. No fewer samples than a detector
@@ -70,6 +71,7 @@ def tools_of(robot: Robot, dt: float, velocity_std: float | None) -> Tools:
     Raises:
         InputError: the gyro's noise is not declared.
     """
+    require_measured(robot, "the filter")
     kalman = Extended.of(robot, declared_noise(robot, dt, velocity_std))
     window = max(Detector.window, round(ONSET / max(dt, 1 / RATE)))
     detector = Detector(kalman.rows, window=window, samples=PER_ALARM)

@@ -77,12 +77,13 @@ def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
 
 
 def undeclared_rotors(robot: Robot) -> tuple[str, ...]:
-    """Joints whose motor may be geared: they turn, follow none, and nothing is said."""
-    followers = {coupling.follower for coupling in robot.couplings}
+    """Joints whose motor may be geared: they turn by it, and nothing is said."""
+    # What nobody drives has no motor.
+    without = {*(each.follower for each in robot.couplings), *robot.passive}
     return tuple(
         joint.name
         for joint in robot.joints
-        if joint.kind == "revolute" and joint.name not in {*followers, *robot.rotors}
+        if joint.kind == "revolute" and joint.name not in {*without, *robot.rotors}
     )
 
 

@@ -226,8 +226,9 @@ class Recording:
     def with_joints_of(self, robot: Robot) -> "Recording":
         """The recording with all joints of a robot.
 
-        A joint that follows another and has no column moves as the robot says. Joints
-        that the robot lacks, and joints without a position, are refused.
+        A joint that follows another and has no column moves as the robot says, and a
+        passive one not at all, until its own equations say more. Joints that the robot
+        lacks, and joints without a position, are refused.
 
         Raises:
             InputError: A column belongs to no joint of the robot, or a joint of the
@@ -242,6 +243,15 @@ class Recording:
             for what, at_rest in (("position", 1), ("velocity", 0))
             if (measured := f"joint.{leader}.{what}") in self.columns
         }
+        for name in robot.passive:
+            own = [f"joint.{name}.{what}" for what in ("position", "velocity")]
+            if any(np.nan_to_num(self.columns[x]).any() for x in own if self.has(x)):
+                raise InputError(
+                    f"{self.source}: joint '{name}' is measured, and the robot file "
+                    "has it among its passive joints, which nobody measures; leave out "
+                    "one"
+                )
+            added |= dict.fromkeys(own, np.zeros(self.t.size))
         whole = self.with_columns(added) if added else self
         for name in robot.joint_names:
             whole.column(f"joint.{name}.position")

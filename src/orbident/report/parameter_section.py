@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.data_table import DataTable, Interval, Numeric, TableRow
+from orbident.data_table import DataTable, Interval, Numeric, TableRow, table_of
 from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.quantities import (
     EstimatedSet,
@@ -79,6 +79,7 @@ def parameters(result: Result, known_as: str) -> Section | None:
             f"differ most from {known_as}; all are below it, folded.",
         )
         tables += [_table("All base parameters", base, known_as)]
+    tables.insert(1, spring_table(result))
     for name in ("links", "phi", "pi"):
         tables += [_table(TITLES[name], getattr(result, name), known_as)]
     return Section(
@@ -88,6 +89,21 @@ def parameters(result: Result, known_as: str) -> Section | None:
         tables=tuple(table for table in tables if table.rows),
         charts=_chart(base, known_as),
     )
+
+
+def spring_table(result: Result) -> DataTable:
+    """How passive joints swing where the body that carries them is held."""
+    rows = (
+        (
+            *(name, Numeric(fit.frequency, ".6g", fit.frequency_std)),
+            *(Numeric(fit.frequency_std, ".2g"), Interval(*fit[:2])),
+            *(Numeric(100 * fit.damping, ".3g", 100 * fit.damping_std),),
+            Numeric(100 * fit.damping_std, ".2g"),
+        )
+        for name, fit in result.springs.items()
+    )
+    head = ("passive joint", "swings at, Hz", "± std", "95 %", "damping, %", "± std")
+    return table_of("How passive joints swing", head, rows)
 
 
 def masses(result: Result, known_as: str) -> Section | None:

@@ -25,7 +25,13 @@ from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
-from orbident.robot.units import MeasuredQuantity, Share, measure_of, measurement_of
+from orbident.robot.units import (
+    MeasuredQuantity,
+    Rate,
+    Share,
+    measure_of,
+    measurement_of,
+)
 
 POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
 """Reads a point of a robot file as an array."""
@@ -194,6 +200,32 @@ Stillness = Annotated[AtRest, keys_of(AtRest), BeforeValidator(_at_rest)]
 """As a robot file has it: its sizes, or `exact`."""
 
 
+DAMPING_STD = 1.0
+"""Standard deviation of the logarithm of a passive joint's damping: what is declared
+may be wrong by a factor of three."""
+
+
+class Passive(NamedTuple):
+    """A joint on a spring that nobody measures: a panel, a boom, fuel as a pendulum.
+
+    Its torque is `-k q - c qd`, with `k = (2 pi f)^2 I` and `c = 2 zeta k / (2 pi f)`
+    where `I` is the inertia of what it carries about its axis.
+    """
+
+    frequency: Rate
+    """`f`, at which it swings where the body that carries it is held, Hz."""
+    damping: Share = 0.01
+    """`zeta`, over critical damping."""
+    tolerance: Share = 0.2
+    """Standard deviation of the frequency, relative."""
+    like: Name = ""
+    """Another passive joint of one make, whose frequency and damping it has; what they
+    carry has one inertia."""
+    inertia: Share = 0.1
+    """That of the nominal inertia of what it carries, about its axis: how far it swings
+    nobody measures, and so only the CAD model tells it."""
+
+
 @dataclass(frozen=True)
 class Torquer:
     """A magnetic torquer in the base."""
@@ -260,6 +292,8 @@ class Robot:
     if nobody has said: then what its world is known for may act."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""
+    passive: Mapping[str, Passive] = field(default_factory=dict)
+    """Joints that nobody measures, by name."""
     at_rest: AtRest = field(default_factory=AtRest)
     """How still it is where a recording is said to begin at rest."""
     orbit: Orbit | None = None

@@ -289,9 +289,10 @@ def _flat(robot: Robot) -> list[str]:
 
 
 def _without_limits(robot: Robot) -> list[str]:
+    driven = [joint for joint in robot.joints if joint.name not in robot.passive]
     unlimited = {
-        "range": [joint.name for joint in robot.joints if joint.position is None],
-        "rate": [joint.name for joint in robot.joints if joint.velocity is None],
+        "range": [joint.name for joint in driven if joint.position is None],
+        "rate": [joint.name for joint in driven if joint.velocity is None],
     }
     return [
         f"no limit of the {what}: {listed(names)}: 'excite' may move them as far or "

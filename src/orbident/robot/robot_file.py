@@ -18,11 +18,12 @@ from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.couplings import couplings_of
-from orbident.robot.description import Joint, Robot, Wheel
+from orbident.robot.description import DAMPING_STD, Joint, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
 from orbident.robot.oddities import contradictions, nonphysical
+from orbident.robot.passive_joints import check_passive
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
@@ -62,6 +63,7 @@ def assembled(
     _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
+    check_passive(file.passive, bodies.joints, couplings, place)
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place
     )
@@ -80,12 +82,17 @@ def assembled(
         pads=_pads(file, bodies),
         disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
+        passive=file.passive,
         at_rest=file.at_rest,
         orbit=orbit,
         known=file.known,
         structure=file.structure,
         sensors=file.sensors,
-        tolerances=file.tolerances.in_si(bodies.joints, file.thrusters, place),
+        tolerances=replace(
+            file.tolerances.in_si(bodies.joints, file.thrusters, place),
+            joint_frequency={n: each.tolerance for n, each in file.passive.items()},
+            joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
+        ),
         warnings=(
             *urdf.warnings,
             *_on_a_table(urdf, file),

@@ -35,6 +35,7 @@ from orbident.robot.description import (
 from orbident.robot.geared_rotors import RotorSection
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
+from orbident.robot.passive_joints import PassiveSection
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerance_schema import ToleranceSection, TolerancesEntry
 
@@ -133,6 +134,7 @@ class RobotFile(MappingSchema):
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: Annotated[dict[str, MayAct] | None, PlainValidator(may_act)] = None
     momentum_walk: Annotated[MomentumWalk, keys_of(MomentumWalk)] = MomentumWalk()
+    passive: PassiveSection = Field(default_factory=dict)
     at_rest: Stillness = AtRest()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)

@@ -18,6 +18,9 @@ from orbident.robot.units import (
     measure_of,
 )
 
+DECLARED = {name: kind for name, kind in CALIBRATION_KINDS.items() if kind.entry}
+"""The kinds of errors that have a tolerance among those of a robot file."""
+
 EVERY = "*"
 """Instead of a joint's name: what is said of all of them."""
 
@@ -43,7 +46,7 @@ def _by_joint(value: object) -> object:
 def _sections() -> dict[str, Any]:
     """The keys of the section, and what may stand there."""
     sections: dict[str, dict[str, Any]] = defaultdict(dict)
-    for kind in CALIBRATION_KINDS.values():
+    for kind in DECLARED.values():
         section, _, key = kind.entry.partition(".")
         either: Any = Annotated[Any, BeforeValidator(_zero)]
         read: Any = Annotated[float | None, measure_of(kind.dimension)]
@@ -93,7 +96,7 @@ class TolerancesEntry(
         own = {each.name: given["joints"].get(each.name, every) for each in joints}
         alike = {"thruster_scale": min((each.gain for each in thrusters), default=0.0)}
         found: dict[str, Any] = {}
-        for tolerance, kind in CALIBRATION_KINDS.items():
+        for tolerance, kind in DECLARED.items():
             section, _, key = kind.entry.partition(".")
             usual = alike.get(tolerance, kind.usual)
             if section == "joints":
@@ -127,7 +130,7 @@ def _or_exact(given: object) -> object:
     if given != EXACT:
         return given
     zeros: dict[str, Any] = defaultdict(dict)
-    for kind in CALIBRATION_KINDS.values():
+    for kind in DECLARED.values():
         section, _, key = kind.entry.partition(".")
         if key:
             zeros[section][key] = 0.0

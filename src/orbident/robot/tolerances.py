@@ -10,6 +10,9 @@ from typing import Any, NamedTuple
 
 from orbident.robot.units import OF_A_JOINT
 
+SPRINGS = "springs"
+"""What is unknown of joints that nobody measures."""
+
 
 class CalibrationKind(NamedTuple):
     """One kind of error."""
@@ -17,7 +20,8 @@ class CalibrationKind(NamedTuple):
     name: str
     """Of its errors, with `{}` in the place of a joint or a wheel."""
     entry: str
-    """Of its tolerance in a robot file: section and key."""
+    """Of its tolerance in a robot file: section and key; empty of what is declared with
+    a passive joint."""
     dimension: str
     """Of the error, as `units` has it."""
     by_axis: bool = False
@@ -102,6 +106,14 @@ class Tolerances:
         "joint.{}.direction", "joints.direction", "angle", True
     )
     """Direction of a joint's axis about each of its parent's axes, by joint, rad."""
+    joint_frequency: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.frequency", "", "share"), of_all=SPRINGS
+    )
+    """Frequency of each passive joint; its error is a logarithm."""
+    joint_damping: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.damping", "", "share"), of_all=SPRINGS
+    )
+    """Damping of each passive joint; its error is a logarithm."""
     thruster_clock: float = _of_all(
         "thrusters.clock", "clocks.thrusters", "time", usual=0.1
     )

@@ -18,6 +18,7 @@ from orbident.model.regularity import check_regular
 from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
+from orbident.robot.passive_joints import require_measured
 from orbident.simulation.control_laws import (
     AttitudeHold,
     ComputedTorque,
@@ -133,6 +134,7 @@ def check_flight(
         _check_size(robot, what, np.shape(values), count)
     if robot.motion == "planar":
         check_plane(start.base)
+    require_measured(robot, "the simulator")
     check_regular(robot)
     _check_wheels(robot)
     check_pulses(robot, pulses, float(t[0]), float(t[-1]))

@@ -15,6 +15,7 @@ from orbident.model.regularity import check_regular
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.passive_joints import require_measured
 from orbident.simulation.control_laws import Driven, thrust_columns
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
@@ -196,6 +197,7 @@ def _task(
     robot: Robot, trajectory: Trajectory, rate: float
 ) -> tuple[Trajectory, Float[np.ndarray, " n"], BaseState]:
     """The trajectory in the robot's order, sample times, and how the base starts."""
+    require_measured(robot, "the simulator")
     check_regular(robot)
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")

@@ -9,6 +9,7 @@
 //   position        shown (1 + p) times the position
 //   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
 //                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
+//   springs         those of passive_rates.hpp: logarithms of their rate and their damping
 //
 // m turns the base's axes into the instrument's: a vector along the axis, of length
 // 2 sin(angle / 2), as r is.
@@ -16,7 +17,8 @@
 // A motion has columns of the calibrations that are selected, by their places among all:
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
-//    l of joints, of attitude, of position | d 3, each joint | r 3, each joint]
+//    l of joints, of attitude, of position | d 3, each joint | r 3, each joint |
+//    x, each joint | y, each joint]
 //
 // Places beyond these are gains of what acts from outside (acting.hpp).
 #pragma once
@@ -40,7 +42,10 @@ struct CalibrationPlaces {
   int position_clock() const { return attitude_clock() + 1; }
   int place() const { return position_clock() + 1; }
   int direction() const { return place() + 3 * joints; }
-  int count() const { return direction() + 3 * joints; }
+  bool is_geometry(int at) const { return place() <= at && at < spring(); }
+  int spring() const { return direction() + 3 * joints; }
+  int damper() const { return spring() + joints; }
+  int count() const { return damper() + joints; }
 };
 
 // Which calibrations have columns, and the values of all.
@@ -123,16 +128,10 @@ inline void add_joint(const TermsMemory& memory, int k, double x, double v, doub
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] += change[r];
 }
 
-// What encoders and wheels show at a node.
-struct Shown {
-  const double *q, *qd, *qdd;
-  const double *qd_rw, *qdd_rw;
-};
-
 // Changes of the terms at a node with zeros, scales, clock and geometry of joints, and with the
 // wheels' inertia; A_rw: a_i I_i, three numbers each.
 inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
-                               const Calibration& calibration, const Shown& shown,
+                               const Calibration& calibration, const JointState& shown,
                                const double* A_rw, const TermsMemory& memory, double* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();
@@ -143,7 +142,7 @@ inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
     double* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
     for (int r = 0; r < BY_ROWS; ++r) column[r * n] = 0.0;
-    if (place >= places.count()) continue;
+    if (place >= places.spring()) continue;
     if (place >= places.place()) {
       const int k = (place - places.place()) / 3 % places.joints;
       write_change(

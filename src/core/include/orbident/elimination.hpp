@@ -24,7 +24,7 @@ struct SweepMemory {
   double* R;           // width x n; at last what is known of [z near | z far, empty | g | rhs]
   double* known;       // local x n: rows over [z near | z far, empty | g | rhs]
   double* rows;        // as many as an interval's samples have axes, and lasting noise x n
-  double* continuity;  // BIASES x n
+  double* continuity;  // BIASES, and two of each joint's own equation x n
 };
 
 // Eliminates the boundaries from one end up to the meeting one, and returns the cost. `links`:
@@ -54,6 +54,8 @@ inline double sweep(const Recorded& recorded, const LinearisedAt& at, bool forwa
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, 0.0);
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);
     cost += sensed.cost + continuity.cost + add_encoders(recorded, at, interval, forward, memory.R);
+    fold(memory.R, n, continuity.table + std::ptrdiff_t(BIASES) * n, n, continuity.rows - BIASES, n,
+         width);
     fold(memory.R, n, memory.known, n, L, n, width);
     fold(memory.R, n, sensed.table, n, sensed.rows, n, width);
     for (int k = 0; k < L; ++k) {

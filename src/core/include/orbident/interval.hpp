@@ -4,6 +4,7 @@
 //   attitude and biases at the end = those at the next interval's start     (random walk)
 //   lasting noise at the end = that at the next interval's start            (lasting_noise.hpp)
 //   corrections of the joints at the end = 0                                (prior)
+//   passive joints at the end = at the next interval's start                (passive_joints.hpp)
 //
 // Unknowns, z of a boundary and g common to all, and the columns of a table:
 //
@@ -16,6 +17,7 @@
 #pragma once
 
 #include "orbident/lasting_noise.hpp"
+#include "orbident/passive_joints.hpp"
 
 namespace orbident {
 
@@ -50,18 +52,21 @@ inline void add_fix(const IntervalColumns& c, const Sensed& sensor, int row, dou
   }
 }
 
-// Joints and wheels at a node, with calibrations and corrections.
-inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int interval, int node,
-                         double t_start, double duration, IntervalMemory& memory,
-                         JointNode& joints) {
+// The time of a row, or half-way to the next, s.
+inline double time_of(const Recorded& recorded, int node) {
+  const double* t = recorded.t + node / 2;
+  return node % 2 ? (t[0] + t[1]) / 2 : t[0];
+}
+
+// Measured joints and wheels at a time, with calibrations and corrections; where it is that of a
+// row, its number, else -1.
+inline void read_joints(const Recorded& recorded, const LinearisedAt& at, int interval, double t,
+                        int row, double t_start, double duration, IntervalMemory& memory,
+                        JointNode& joints) {
   const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
-  const int W = recorded.wheels, row = node / 2;
-  const auto time = [&](int at) {
-    return at % 2 ? (recorded.t[at / 2] + recorded.t[at / 2 + 1]) / 2 : recorded.t[at / 2];
-  };
-  const double t = time(node);
-  const Cubics functions = cubics(t - t_start, duration);
-  const JointState& shown = memory.shown[0];
+  const int W = recorded.wheels;
+  const Cubics functions = joints.functions = cubics(t - t_start, duration);
+  const JointState& shown = joints.shown;
   memory.knot = recorded.history.state(t, memory.knot, K, W, shown);
   const double *q = shown.q, *qd = shown.qd, *qdd = shown.qdd;
   const CalibrationPlaces& places = at.calibration.places;
@@ -69,31 +74,30 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
   const double* scale = at.calibration.values + places.scale();
   const double late = at.calibration.values[places.joint_clock()];
   // By the parabola through a row, half-way and the next row: accelerations count at rows alone.
-  const bool turned_on = late != 0.0 && node % 2 == 0 && row + 1 < recorded.rows;
+  const bool turned_on = late != 0.0 && row >= 0 && row + 1 < recorded.rows;
   const double dt = turned_on ? recorded.t[row + 1] - recorded.t[row] : 1.0;
   for (int k = 1; turned_on && k < 3; ++k)
-    recorded.history.state(time(node + k), memory.knot, K, W, memory.shown[k]);
+    recorded.history.state(time_of(recorded, 2 * row + k), memory.knot, K, W, memory.after[k - 1]);
   const auto rate_of = [&](double* JointState::* x, int k) {
-    const auto at = [&](int n) { return (memory.shown[n].*x)[k]; };
-    return turned_on ? (4 * at(1) - 3 * at(0) - at(2)) / dt : 0.0;
+    const auto at = [&](int n) { return (memory.after[n].*x)[k]; };
+    return turned_on ? (4 * at(0) - 3 * (shown.*x)[k] - at(1)) / dt : 0.0;
   };
   for (int k = 0; k < K; ++k) {
-    memory.q[k] = (1 + scale[k]) * q[k] + zero[k] + late * qd[k];
-    memory.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
-    memory.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_of(&JointState::qdd, k);
+    joints.q[k] = (1 + scale[k]) * q[k] + zero[k] + late * qd[k];
+    joints.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
+    joints.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_of(&JointState::qdd, k);
   }
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
-    for (int f = 0; f < 4; ++f) {
+    for (int f = 0; f < 4 && !recorded.passive(k); ++f) {
       const double correction =
           at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
-      memory.q[k] += functions.value[f] * correction;
-      memory.qd[k] += functions.rate[f] * correction;
-      memory.qdd[k] += functions.acceleration[f] * correction;
+      joints.q[k] += functions.value[f] * correction;
+      joints.qd[k] += functions.rate[f] * correction;
+      joints.qdd[k] += functions.acceleration[f] * correction;
     }
   }
   joints.t = t - recorded.t[0];
-  joints.acting = recorded.acting.at(node);
   const double *qd_rw = shown.qd_rw, *qdd_rw = shown.qdd_rw;
   const double* gain = at.calibration.values + places.wheel();
   joints.h_rw.setZero();
@@ -103,26 +107,32 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
     joints.h_rw += ((1 + gain[i]) * qd_rw[i] + late * qdd_rw[i]) * a_I;
     joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_of(&JointState::qdd_rw, i)) * a_I;
   }
-  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns,
-         functions, memory.q, memory.qd, memory.qdd, memory.terms, joints);
-  write_calibrations(recorded.tree, recorded.columns, at.calibration, {q, qd, qdd, qd_rw, qdd_rw},
-                     recorded.A_rw, memory.terms, joints.by);
 }
 
-// The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
-// base that nutates fast needs smaller steps than joints that move slowly.
-inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, int interval,
-                            double s, const JointNode* const* nodes, BaseNode& base) {
+// What joints that were read mean for momentum, and its changes.
+inline void expand_joints(const Recorded& recorded, const LinearisedAt& at, IntervalMemory& memory,
+                          JointNode& joints) {
+  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns,
+         joints.functions, joints.q, joints.qd, joints.qdd, memory.terms, joints);
+  write_calibrations(recorded.tree, recorded.columns, at.calibration, joints.shown, recorded.A_rw,
+                     memory.terms, joints.by);
+}
+
+// The same with passive joints, once they are integrated to a node of the base.
+inline void expand_with_passive(const Recorded& recorded, const LinearisedAt& at,
+                                IntervalMemory& memory, JointNode& joints, BaseNode& base) {
+  show_passive(recorded, base, joints);
+  expand_joints(recorded, at, memory, joints);
+  add_passive(recorded, memory.terms, base, joints);
+  set_law(recorded.planar, joints.terms.D, joints.terms.h_q + joints.h_rw, base);
+}
+
+// What acts at the fraction s of a row's step, by the parabola through its nodes.
+inline void act_between(const Recorded& recorded, const LinearisedAt& at, int interval, double s,
+                        const JointNode* const* nodes, BaseNode& base) {
   const double p[3] = {(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)};
-  Matrix3<double> D = Matrix3<double>::Zero();
-  Vector3<double> h_moving = Vector3<double>::Zero();
   base.t = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    D += p[k] * nodes[k]->terms.D;
-    h_moving += p[k] * (nodes[k]->terms.h_q + nodes[k]->h_rw);
-    base.t += p[k] * nodes[k]->t;
-    if (p[k] == 1.0) base.by = nodes[k]->by;
-  }
+  for (int k = 0; k < 3; ++k) base.t += p[k] * nodes[k]->t;
   base.h_cm = contributed(contributions(base.t).h_cm, at.common);
   if (recorded.momentum >= 0)
     base.h_cm[2] += at.local[interval * recorded.local() + recorded.momentum];
@@ -130,6 +140,21 @@ inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, in
     base.acting[k] = nodes[k]->acting;
     base.share[k] = p[k];
     base.h_cm += p[k] * nodes[k]->acting.value(ON_H);
+  }
+}
+
+// The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
+// base that nutates fast needs smaller steps than joints that move slowly.
+inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, int interval,
+                            double s, const JointNode* const* nodes, BaseNode& base) {
+  act_between(recorded, at, interval, s, nodes, base);
+  const double* p = base.share;
+  Matrix3<double> D = Matrix3<double>::Zero();
+  Vector3<double> h_moving = Vector3<double>::Zero();
+  for (int k = 0; k < 3; ++k) {
+    D += p[k] * nodes[k]->terms.D;
+    h_moving += p[k] * (nodes[k]->terms.h_q + nodes[k]->h_rw);
+    if (p[k] == 1.0) base.by = nodes[k]->by;
   }
   set_law(recorded.planar, D, h_moving, base);
   if (p[0] == 1.0 || p[1] == 1.0 || p[2] == 1.0) return;
@@ -205,9 +230,7 @@ inline void add_samples(const Recorded& recorded, const LinearisedAt& at, int in
 // What goes on at the end of an interval: turn and biases.
 inline void add_continuity(const Recorded& recorded, const LinearisedAt& at, int interval,
                            double duration, const BaseNode& end, EquationTable& equations) {
-  // An interval of one row lasts no time.
-  constexpr double MOMENT = 1e-3;
-  const double root = std::sqrt(std::max(duration, MOMENT));
+  const double root = walked(duration);
   const int L = recorded.local();
   const double *here = at.local + interval * L, *there = here + L;
   const Vector3<double> off = small_rotation<double>(
@@ -236,13 +259,24 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   const double duration = recorded.t[end] - recorded.t[first];
   const bool late = at.calibration.values[at.calibration.places.position_clock()] != 0.0;
   const bool moving = recorded.accelerometer.values || recorded.velocity.values || late;
+  const double t_start = recorded.t[first];
   const auto joints_at = [&](int node, JointNode& joints) {
-    place_joints(recorded, at, interval, node, recorded.t[first], duration, memory, joints);
+    joints.acting = recorded.acting.at(node);
+    read_joints(recorded, at, interval, time_of(recorded, node), node % 2 ? -1 : node / 2, t_start,
+                duration, memory, joints);
+    if (!recorded.springs) expand_joints(recorded, at, memory, joints);
   };
   JointNode *row = &memory.node[0], *half_way = &memory.node[1], *next = &memory.node[2];
   BaseNode *start = &memory.base[0], *middle = &memory.base[1], *stop = &memory.base[2];
   joints_at(2 * first, *row);
-  start_base(recorded, at, interval, *row, *start);
+  if (recorded.springs) {
+    const JointNode* const nodes[3] = {row, row, row};
+    act_between(recorded, at, interval, 0.0, nodes, *start);
+    start_passive(recorded, at, interval, memory.own, *row, *start);
+    expand_with_passive(recorded, at, memory, *row, *start);
+  } else {
+    start_base(recorded, at, interval, *row, *start);
+  }
   if (moving) velocity_slopes(c, *row, *start, memory.velocity[0]);
   const Sensed* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
   for (int k = 0; k < TRACKERS; ++k)
@@ -255,19 +289,35 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     TableRows felt(memory.felt, 3, c.count());
     felt = cross_matrix(f_S).lazyProduct(TableRows(start->phi, 3, c.count()));
 
+    const double dt = recorded.t[r + 1] - recorded.t[r];
     joints_at(2 * r + 1, *half_way);
     joints_at(2 * r + 2, *next);
     const JointNode* const nodes[3] = {row, half_way, next};
-    const double dt = recorded.t[r + 1] - recorded.t[r];
     const int steps = recorded.substeps;
     for (int i = 0; i < steps; ++i) {
-      set_law_between(recorded, at, interval, (2 * i + 1) / (2.0 * steps), nodes, *middle);
-      set_law_between(recorded, at, interval, (2 * i + 2) / (2.0 * steps), nodes, *stop);
-      step(c, dt / steps, *start, *middle, *stop);
-      if (moving && 2 * i + 1 == steps) velocity_slopes(c, *half_way, *middle, memory.velocity[1]);
-      if (moving && 2 * i + 2 == steps) velocity_slopes(c, *half_way, *stop, memory.velocity[1]);
+      const double to_middle = (2 * i + 1) / (2.0 * steps), to_stop = (2 * i + 2) / (2.0 * steps);
+      if (recorded.springs) {
+        const double t = recorded.t[r];
+        act_between(recorded, at, interval, to_middle, nodes, *middle);
+        act_between(recorded, at, interval, to_stop, nodes, *stop);
+        read_joints(recorded, at, interval, t + to_middle * dt, -1, t_start, duration, memory,
+                    memory.own.joints[0]);
+        read_joints(recorded, at, interval, t + to_stop * dt, i + 1 == steps ? r + 1 : -1, t_start,
+                    duration, memory, memory.own.joints[1]);
+        step_passive(recorded, at, dt / steps, *start, *middle, *stop, memory.own);
+      } else {
+        set_law_between(recorded, at, interval, to_middle, nodes, *middle);
+        set_law_between(recorded, at, interval, to_stop, nodes, *stop);
+        step(c, dt / steps, *start, *middle, *stop);
+      }
+      BaseNode* const at_half_way =
+          2 * i + 1 == steps ? middle : (2 * i + 2 == steps ? stop : nullptr);
+      if (at_half_way && recorded.springs)
+        expand_with_passive(recorded, at, memory, *half_way, *at_half_way);
+      if (at_half_way && moving) velocity_slopes(c, *half_way, *at_half_way, memory.velocity[1]);
       std::swap(start, stop);
     }
+    if (recorded.springs) expand_with_passive(recorded, at, memory, *next, *start);
     if (moving) velocity_slopes(c, *next, *start, memory.velocity[2]);
     if (recorded.accelerometer.values) {
       add_rate_of_velocity(c, R_WB, dt, memory.velocity[0], memory.velocity[1], memory.velocity[2],
@@ -283,6 +333,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   for (int k = 0; k < TRACKERS; ++k)
     end_lasting(recorded, at, interval, end, *trackers[k], *start, memory.whitening[k], sensed);
   add_continuity(recorded, at, interval, duration, *start, continuity);
+  add_passive_continuity(recorded, at, interval, duration, *start, continuity);
 }
 
 }  // namespace orbident

@@ -2,9 +2,9 @@
 // linearised, and the table they grow in.
 #pragma once
 
-#include "orbident/calibration.hpp"
 #include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
+#include "orbident/joint_momenta.hpp"
 #include "orbident/whitening.hpp"
 
 namespace orbident {
@@ -25,7 +25,23 @@ struct Sensed {
   }
 };
 
+// Of what walks, over its density; an interval of one row lasts no time.
+inline double walked(double duration) {
+  constexpr double MOMENT = 1e-3;
+  return std::sqrt(std::max(duration, MOMENT));
+}
+
 constexpr int TRACKERS = 2;  // attitude and position: their noise may last
+
+// What holds a joint that nobody measures.
+struct Spring {
+  int joint;
+  int correction;         // which of the joints with corrections it is
+  double square;          // r^2, rad^2/s^2
+  double damping;         // d, 1/s
+  double walk[2];         // what else moves its position and rate, per square root of a second
+  const double* carried;  // I by each entry of theta
+};
 
 struct Recorded {
   Tree tree;
@@ -41,6 +57,8 @@ struct Recorded {
   int intervals;
   JointHistory history;
   const double* A_rw;  // wheels x 3: a_i I_i, base axes
+  const Spring* spring;
+  int springs;
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting acting;
   Sensed gyro, accelerometer, attitude, joints, position, velocity;
@@ -51,6 +69,11 @@ struct Recorded {
   const double* prior;  // of corrections anywhere
   const double* walk;   // of turn and biases, per square root of a second
 
+  bool passive(int joint) const {
+    for (int k = 0; k < springs; ++k)
+      if (spring[k].joint == joint) return true;
+    return false;
+  }
   int corrections() const { return BIASES + lasting; }  // where they begin in z
   int local() const { return corrections() + 2 * columns.corrected; }
   int common() const { return columns.common(); }
@@ -68,11 +91,27 @@ struct LinearisedAt {
   Calibration calibration;
 };
 
+// Passive joints at a node; passive_rates.hpp.
+struct PassiveNode {
+  double *q, *qd, *qdd, *p, *p_rate;  // passive joints each
+  double *UH, *A;
+};
+
+struct PassiveMemory {
+  DirectionPlaces places;
+  JointMomentaMemory at;
+  Motion<double>* geometry;      // fields of the calibrations of geometry
+  const int *displaced, *place;  // their joints and their places
+  double *m, *D_qq, *inertia, *U, *H, *L, *C, *K, *last;
+  double* rates;        // of RK4: 8 x passive joints
+  JointNode joints[2];  // half-way through a step, and at its end
+};
+
 struct IntervalMemory {
   TermsMemory terms;
-  double *q, *qd, *qdd;  // joints each
-  JointState shown[3];   // at a node and the two after it
-  int knot = 0;          // the last one before a node
+  PassiveMemory own;
+  JointState after[2];  // what joints show at the two nodes after one
+  int knot = 0;         // the last one before a node
   JointNode node[3];
   BaseNode base[3];
   double* velocity[3];  // 3 x unknowns each

@@ -22,7 +22,7 @@
 #pragma once
 
 #include "orbident/acting.hpp"
-#include "orbident/interval_cubics.hpp"
+#include "orbident/joint_history.hpp"
 #include "orbident/momentum_terms.hpp"
 #include "orbident/outside.hpp"
 
@@ -55,6 +55,9 @@ struct JointNode {
   Vector3<double> h_rw;       // N m s, base axes
   Vector3<double> h_rw_rate;  // N m
   double* by;                 // BY_ROWS x unknowns: changes of the terms
+  Cubics functions;           // of corrections at this time
+  double *q, *qd, *qdd;       // joints each
+  JointState shown;           // without corrections and calibrations
   Acting acting;
 };
 
@@ -88,6 +91,8 @@ inline void expand(const Tree& tree, const Sparse& theta_of, const double* theta
     write_change(derivative_by_beta(theta_of, b, all, memory), node.by + columns.beta() + b, n);
 }
 
+struct PassiveNode;
+
 // The base at one node of the integration.
 struct BaseNode {
   double t;
@@ -99,9 +104,10 @@ struct BaseNode {
   Matrix3<double> R_WB;
   Vector3<double> h_B;
   Vector3<double> w;
-  double* G;         // 3 x unknowns
-  double* phi;       // 3 x unknowns
-  double* dw;        // 3 x unknowns
+  double* G;    // 3 x unknowns, and more of passive joints (passive_joints.hpp)
+  double* phi;  // 3 x unknowns, and more
+  double* dw;   // 3 x unknowns, and more
+  PassiveNode* passive;
   double* own_by;    // memory for BY_R rows
   Acting acting[3];  // at the nodes of its row, and the share of each
   double share[3];

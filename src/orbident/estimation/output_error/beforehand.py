@@ -10,13 +10,13 @@ from jaxtyping import Float
 
 from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
+from orbident.estimation.output_error.joint_laws import HELD
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,
     common_factor,
 )
 from orbident.estimation.solution import (
-    NO_EQUATIONS,
     OUTSIDE,
     Outside,
     Prior,
@@ -27,6 +27,7 @@ from orbident.estimation.triangular import triangular_factor
 from orbident.estimation.unknowns import Unknown
 from orbident.model.kinematics import first_moments, poses
 from orbident.model.minimal_sets import MinimalSets
+from orbident.model.springs import carried_inertia
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
@@ -35,6 +36,10 @@ UNKNOWN = 1e3
 
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
+
+ONE_MAKE = {"inertia": 0.01, "frequency": 0.01, "damping": 0.1}
+"""Std of how far two of one make are apart, relative: what a workshop leaves, and less
+than the 10 % within which deviations of first order do not hold."""
 
 
 def first_momentum(
@@ -88,7 +93,39 @@ def prior_of(
             [std, prior_std(robot, sets), [each.std for each in calibrations]]
         ),
         measured=measured_rows(robot, sets),
+        carried=carried_rows(robot, sets, [each.name for each in calibrations]),
     )
+
+
+def carried_rows(
+    robot: Robot, sets: MinimalSets, errors: Sequence[str]
+) -> Float[np.ndarray, "rows columns"]:
+    """What is known of what passive joints carry, and of two of one make.
+
+    Whitened equations over `[outside | beta | errors]`. Relative to the nominal ones,
+    inertias are one, and those of one make are alike, as their frequencies are.
+    """
+    beta, rows, own = sets.beta(robot.theta), [], {}
+    for name, passive in robot.passive.items():
+        by = carried_inertia(robot, robot.joint_names.index(name))
+        by = by / (by @ robot.theta.ravel()) @ sets.base.theta_of
+        none, nothing = np.zeros(OUTSIDE), np.zeros(OUTSIDE + beta.size)
+        own[name] = {
+            "inertia": np.concatenate([none, by, np.zeros(len(errors)), [by @ beta]])
+        } | {
+            what: np.concatenate(
+                [nothing, [each == f"joint.{name}.{what}" for each in errors], [0.0]]
+            )
+            for what in ("frequency", "damping")
+        }
+        rows.append(own[name]["inertia"] / max(passive.inertia, HELD))
+    rows += [
+        (own[name][what] - own[passive.like][what]) / std
+        for name, passive in robot.passive.items()
+        for what, std in ONE_MAKE.items()
+        if passive.like
+    ]
+    return np.reshape(rows, (len(rows), OUTSIDE + beta.size + len(errors) + 1))
 
 
 def measured_rows(
@@ -136,7 +173,7 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     # What is known of the shared ones beforehand is known once, not in each recording.
     std = prior.std.copy()
     std[shared] = np.inf
-    alone = prior._replace(std=std, others=NO_EQUATIONS)
+    alone = Prior(prior.values, std)
     factor = alone.added(common, state)
     left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]

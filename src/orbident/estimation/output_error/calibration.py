@@ -24,6 +24,12 @@ ALL = range(3)
 DOUBLES_ZERO = {"prismatic": "joint_place", "revolute": "joint_direction"}
 """By the kind of a joint, the error that, along its axis, is an error of its zero."""
 
+NEITHER_OF = {"joint_zero": True, "joint_scale": True} | {
+    "joint_frequency": False,
+    "joint_damping": False,
+}
+"""Errors that joints do not have which are passive, or which are not."""
+
 
 def calibrations_of(
     robot: Robot, recorded: Collection[str], free: Mapping[str, float] = NOTHING_FREE
@@ -38,9 +44,9 @@ def calibrations_of(
     """
     shown = _axes_that_show(robot, recorded)
     every = [
-        (error, axis in shown.get(tolerance, ALL) and axis != doubled)
+        (error, axis in shown.get(tolerance, ALL) and axis not in hidden)
         for tolerance in CALIBRATION_KINDS
-        for errors, doubled in _errors(robot, tolerance)
+        for errors, hidden in _errors(robot, tolerance)
         for axis, error in enumerate(errors)
     ]
     return tuple(
@@ -52,11 +58,12 @@ def calibrations_of(
 
 def _errors(
     robot: Robot, tolerance: str
-) -> Iterator[tuple[Sequence[Unknown], int | None]]:
-    """Those of each joint or wheel, or the only ones; and the axis that shows nothing.
+) -> Iterator[tuple[Sequence[Unknown], Collection[int]]]:
+    """Those of each joint or wheel, or the only ones; and the axes that show nothing.
 
     A sliding joint displaced along its axis, and a turning one turned about its axis,
-    have another zero and nothing else: the axis nearest to it is left out.
+    have another zero and nothing else: the axis nearest to it is left out. A passive
+    joint has a spring and no encoder, and any other joint an encoder and no spring.
     """
     kind, std = CALIBRATION_KINDS[tolerance], getattr(robot.tolerances, tolerance)
     owners: Mapping[str, Joint | None] = {"": None}
@@ -66,15 +73,18 @@ def _errors(
         owners = dict.fromkeys(robot.wheel_names)
     for name, joint in owners.items():
         own = std.get(name, 0.0) if isinstance(std, Mapping) else std
-        dimension, doubled = kind.dimension, None
+        dimension, hidden = kind.dimension, set[int]()
+        family = kind.family.format(name)
         if joint is not None and dimension == OF_A_JOINT:
             dimension = POSITION_OF[joint.kind]
         if joint is not None and tolerance == DOUBLES_ZERO[joint.kind]:
-            doubled = int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))
-        family, unit = kind.family.format(name), si_unit(dimension)
+            hidden = {int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))}
+        if NEITHER_OF.get(tolerance) is (name in robot.passive):
+            hidden = {*ALL}
+        unit = si_unit(dimension)
         yield (
             [Unknown(each, family, unit, own, 0.0) for each in kind.names(name)],
-            doubled,
+            hidden,
         )
 
 

@@ -21,7 +21,7 @@ from orbident.estimation.output_error.sensors import (
     lasting_parts,
     parts_of_boundaries,
 )
-from orbident.estimation.solution import OUTSIDE, Solution
+from orbident.estimation.solution import OUTSIDE, Prior, Solution
 from orbident.threads import one_blas_thread
 
 AS_ADDED = ("gyro", "attitude", "position", "velocity", "accelerometer")
@@ -67,11 +67,22 @@ def covariance_parts(problem: Problem, solution: Solution) -> ErrorSources:
     for name, (kind, which) in _families(problem, solution).items():
         parts[name] = ErrorSource(kind, _squared(before[which]), known(which))
     parts["nominal values"] = ErrorSource("other", _squared(before[beta]))
-    if len(prior.others):
-        A = prior.others[:, :-1]
-        part = _squared(A @ X[: A.shape[1]])
-        parts["other recordings"] = ErrorSource("recording", part)
+    for name, (kind, equations) in _given(prior).items():
+        A = equations[:, :-1]
+        parts[name] = ErrorSource(kind, _squared(A @ X[: A.shape[1]]))
     return parts
+
+
+def _given(
+    prior: Prior,
+) -> Mapping[str, tuple[Kind, Float[np.ndarray, "rows columns"]]]:
+    """Equations that hold beforehand, by their names."""
+    every: dict[str, tuple[Kind, Float[np.ndarray, "rows columns"]]] = {
+        "other recordings": ("recording", prior.others),
+        "measured before": ("other", prior.measured),
+        "what swings": ("other", prior.carried),
+    }
+    return {name: each for name, each in every.items() if len(each[1])}
 
 
 def _squared(rows: Float[np.ndarray, "rows beta"]) -> Float[np.ndarray, "beta beta"]:
@@ -98,8 +109,7 @@ def _of_intervals(
         for parts in (lasting_parts, parts_of_boundaries)
     )
     going_on = np.repeat([names.index(name) for name in GOING_ON], 3)
-    joints = np.full(2 * z.shape[1], names.index("joints"))
-    after_samples = np.concatenate([trackers, going_on, joints])
+    joints = names.index("joints")
     parts = np.zeros((len(names), X.shape[1], X.shape[1]))
 
     def add(rows: np.ndarray, sources: np.ndarray) -> None:
@@ -111,8 +121,10 @@ def _of_intervals(
     for k, equations in enumerate(every):
         _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
         rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])
-        add(rows, np.concatenate([columns // 3, after_samples]))
-    of_joints = np.full(z.shape[1] - going_on.size - own.size, joints[0])
+        before = np.concatenate([columns // 3, trackers, going_on])
+        # Then passive joints, and encoders.
+        add(rows, np.append(before, np.full(len(rows) - before.size, joints)))
+    of_joints = np.full(z.shape[1] - going_on.size - own.size, joints)
     first = z[0] / problem.loose.first[:, None]
     add(first, np.concatenate([going_on, own, of_joints]))
     return dict(zip(names, parts, strict=True))

@@ -153,6 +153,16 @@ def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
     return _surprise(value, prior.std[axes], C[np.ix_(here, here)])
 
 
+def surprise_of_carried(solution: Solution) -> ChiSquare:
+    """How far what passive joints carry is from what was known of it beforehand."""
+    equations, state, C = solution.prior.carried, solution.state, solution.covariance
+    first = len(C) - state.common.size
+    common = slice(first, first + equations.shape[1] - 1)
+    A, b = equations[:, :-1], equations[:, -1]
+    value = b - A @ state.common[: A.shape[1]]
+    return _surprise(value, np.ones(b.size), A @ C[common, common] @ A.T)
+
+
 def _surprise(
     value: Float[np.ndarray, " n"],
     std: Float[np.ndarray, " n"],

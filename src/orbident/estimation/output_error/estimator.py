@@ -42,11 +42,18 @@ from orbident.estimation.output_error.beforehand import (
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
+    surprise_of_carried,
     surprise_of_rest,
     widened_by,
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
+from orbident.estimation.output_error.joint_laws import (
+    LOOSE,
+    moving_alone,
+    springs_of,
+    what_is_carried_held,
+)
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -55,7 +62,7 @@ from orbident.estimation.output_error.problem import (
     start_of,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.solver import STEPS
+from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
 from orbident.estimation.output_error.walking_rates import walked
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
@@ -112,6 +119,7 @@ class OutputError:
         )
         beta = estimate_of(found.solution, prior_std(robot, sets))
         by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
+        calibration = _calibration(equations, found.solution)
         disturbances = identified(equations, found.solution, densities, freed)
         return replace(
             estimate_of_beta(
@@ -131,7 +139,9 @@ class OutputError:
             rest=surprise_of_rest(equations, found.solution)
             if problem.initial_momentum == "at-rest"
             else ChiSquare(0.0, 0),
-            calibration=_calibration(equations, found.solution),
+            carried=surprise_of_carried(found.solution),
+            calibration=calibration,
+            springs=springs_of(robot, calibration),
             sensitivity=partial(sensitivity, zeros),
             sources=partial(covariance_parts, equations, found.solution),
             converged=found.solution.converged,
@@ -152,7 +162,10 @@ class OutputError:
         # A clock that was corrected is known no better than it was found.
         late = problem.clocks.get("joints")
         free = {"joints.clock": CLOCK_STD} if late and late.believed else {}
-        equations = problem_of(robot, sets, samples, sensors, {**free, **self.free})
+        following = partial(
+            problem_of, robot, sets, samples, sensors, {**free, **self.free}
+        )
+        equations = following()
         outside = first_momentum(robot, sets, samples, problem.fits, momentum)
         prior = prior_of(robot, sets, equations.declared, outside, problem.rest_std)
         beta = _first(problem)
@@ -164,16 +177,36 @@ class OutputError:
             walked(equations, start_of(equations, samples, outside, at))
             for at in (beta, sets.beta(robot.theta))
         ]
+        if robot.passive:
+            parts = [following(unexplained) for unexplained in LOOSE]
+            ends = [
+                start_of(parts[0], samples, outside, beta)._replace(common=each.common)
+                for each in starts
+            ]
+            # Where a joint does not move yet, nothing shows how it swings: first this.
+            ends = [
+                solved(
+                    parts[0], parts[0].weights, moving_alone(prior, end), end, step
+                ).state
+                for end in ends
+            ]
+            held = what_is_carried_held(prior)
+            for part in parts:
+                fits = [
+                    solved(part, part.weights, held, end, step, self.steps)
+                    for end in ends
+                ]
+                ends = [min(fits, key=lambda fit: fit.cost).state]
+            starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
         at_hand = []
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:
             _core.give_back_memory()
         else:
-            here, other = (linear(equations, equations.weights, at) for at in starts)
-            if other.cost < here.cost:
-                here, starts = other, starts[::-1]
-            at_hand = [here]
-            del here, other
+            every = [linear(equations, equations.weights, at) for at in starts]
+            order = sorted(range(len(every)), key=lambda k: every[k].cost)
+            starts, at_hand = [starts[k] for k in order], [every[order[0]]]
+            del every
         return Search(
             equations,
             prior,

@@ -25,6 +25,11 @@ from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
     calibrations_of,
 )
+from orbident.estimation.output_error.joint_laws import (
+    IDEAL,
+    joint_laws,
+    longest_interval,
+)
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,
@@ -175,6 +180,7 @@ def problem_of(
     samples: Samples,
     sensors: Sensors,
     free: Mapping[str, float] = NOTHING_FREE,
+    unexplained: float = IDEAL,
 ) -> Problem:
     """The equations of a recording.
 
@@ -184,8 +190,10 @@ def problem_of(
         samples: histories of joints and wheels.
         sensors: what is predicted.
         free: standard deviations beforehand in place of tolerances, by family; SI.
+        unexplained: what no spring explains moves passive joints by so much in a
+            period, rad or m.
     """
-    intervals = intervals_of(robot, samples, sensors)
+    intervals = intervals_of(samples, sensors, longest_interval(robot, unexplained))
     walks = walks_of_rates(robot, sensors, samples)
     lasting = lasting_noise(robot, sensors, walks)
     loose = looseness(robot, samples, sensors, lasting)
@@ -227,6 +235,7 @@ def problem_of(
         qdd_rw=history.qdd_rw,
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         **loose._asdict(),
+        **joint_laws(robot, samples.wrenches, unexplained)._asdict(),
     )
     followed = Followed(without_walks(robot, walks), sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)
@@ -280,9 +289,10 @@ def _none(name: str) -> Float[np.ndarray, "0 axes"]:
 def _axes(
     robot: Robot, sensor: str, locked: Collection[str]
 ) -> Float[np.ndarray, " axes"]:
-    """1 for those in which momentum is conserved, and for joints that moved."""
+    """1 for those in which momentum is conserved, and for encoders that moved."""
     if sensor == "joints":
-        return np.array([float(name not in locked) for name in robot.joint_names])
+        still = {*locked, *robot.passive}
+        return np.array([float(name not in still) for name in robot.joint_names])
     if robot.motion != "planar":
         return np.ones(3)
     turning = sensor in {"gyro", "attitude"}

@@ -81,12 +81,13 @@ def sensors_of(
         for sensor in COMPONENTS
         if recording.has_vector(sensor)
     }
-    joints, encoders = robot.joint_names, robot.sensors.joints
+    joints = [name for name in robot.joint_names if name not in robot.passive]
+    encoders = robot.sensors.joints
     exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
         encoders and encoders.tachometer
     )
     if joints and not exact:
-        angles = [recording.column(f"joint.{name}.position") for name in joints]
+        angles = [recording.column(f"joint.{n}.position") for n in robot.joint_names]
         tables["joints"] = np.column_stack(angles)
     times, samples = {}, {}
     for name in list(tables):
@@ -215,7 +216,8 @@ LAG = 1.0
 
 POSE = {"attitude", "position", "joints"}
 """Where no rate of the base is among the sensors, a momentum that walks at random is
-noise of the pose whose rate walks, as far as the robot's inertia does not change."""
+noise of the pose whose rate walks, as far as the robot's inertia does not change, and
+nothing on it swings."""
 
 
 def walks_of_rates(
@@ -228,7 +230,7 @@ def walks_of_rates(
         velocity, in rad/s^2/sqrt(Hz) or m/s^2/sqrt(Hz); as it is declared, or so much
         that without any thrust it would have changed the rate as it changed.
     """
-    if robot.motion != "planar" or not {*sensors.by_name} <= POSE:
+    if robot.motion != "planar" or not {*sensors.by_name} <= POSE or robot.passive:
         return {}
     lag, found = round(LAG / float(np.median(np.diff(samples.t)))) or 1, {}
     moved, per_rate = (samples.w, samples.v_S), inertia_of_walks(robot)

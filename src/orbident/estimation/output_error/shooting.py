@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
+from orbident.estimation.output_error.joint_laws import fastest
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,
     Lasting,
@@ -57,8 +58,15 @@ BIAS = np.repeat([GyroSpec.UNKNOWN_BIAS, AccelerometerSpec.UNKNOWN_BIAS], 3)
 ENCODERS = 1e-2
 """Std of the error of smoothed encoders beforehand, rad or m, and per second."""
 
+UNMEASURED = 1e2
+"""The same of a joint that nobody measures: its own equations hold it."""
+
 STEP = 1 / 16
 """rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
+
+SWING = 1 / 6
+"""rad of a passive joint whose base is held: where it swings twice as fast, as the base
+is free, steps of RK4 so large change its frequency by 1e-4."""
 
 MOST_SUBSTEPS = 32
 """Between two samples: enough for a nutation of 2 rad."""
@@ -106,8 +114,10 @@ class Intervals(NamedTuple):
         return self.t[np.minimum(self.edges, self.t.size - 1)]
 
 
-def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
-    """Cut a recording into intervals that cubics follow."""
+def intervals_of(
+    samples: Samples, sensors: Sensors, longest: float = np.inf
+) -> Intervals:
+    """Cut a recording into intervals that cubics follow, none longer than `longest`."""
     history = _history(samples)
     ends = history.t[0], np.nextafter(history.t[-1], np.inf)
     first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
@@ -115,7 +125,15 @@ def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
     rows = _rows_of_an_interval(history, samples.shares, t)
     if samples.unknown_thrust:
         rows = min(rows, _rows_of_a_turn(samples))
-    return Intervals(slice(first, end), t, _edges(t.size, rows), history)
+    edges = _edges(t.size, rows)
+    most = max(1.0, longest / float(np.median(np.diff(t))))
+    parts = np.maximum(np.ceil(np.diff(edges) / most), 1).astype(int)
+    finer = [
+        np.linspace(start, stop, n, endpoint=False).round()
+        for start, stop, n in zip(edges[:-1], edges[1:], parts, strict=True)
+    ]
+    edges = np.concatenate([*finer, edges[-1:]]).astype(int)
+    return Intervals(slice(first, end), t, edges, history)
 
 
 def _history(samples: Samples) -> JointHistory:
@@ -221,10 +239,14 @@ def looseness(
         walks += 3 * [walk]
     # Joints whose rates are measured, or that do not move, have no corrections.
     free = [
-        "joints" in sensors.by_name and name not in samples.locked
+        name in robot.passive
+        or ("joints" in sensors.by_name and name not in samples.locked)
         for name in robot.joint_names
     ]
-    corrections = np.full(2 * sum(free), ENCODERS)
+    std = [
+        UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names
+    ]
+    corrections = np.tile(np.array(std)[free], 2)
     dt, D = float(np.median(np.diff(sensors.t))), _principal_inertias(robot)[-1]
     noise = first_lasting(lasting, dt, float(D))
     turn_walk = np.full(3, _turn_walk(robot, samples))
@@ -254,21 +276,26 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
 
 
 def substeps_of(robot: Robot, samples: Samples) -> int:
-    """How many RK4 steps a sample follow the fastest nutation; a power of two.
+    """How many RK4 steps a sample follow nutation and passive joints; a power of two.
 
-    It turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power of
-    the step.
+    Nutation turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power
+    of the step.
     """
+    dt = float(np.median(np.diff(samples.t)))
+    swung = 2 * np.pi * fastest(robot) * dt
+    least = int(2 ** np.ceil(np.log2(np.clip(swung / SWING, 1, MOST_SUBSTEPS))))
     if robot.motion == "planar":
-        return 1
+        return least
     D = _principal_inertias(robot)
     w, h_rw = (
         np.nanmax(np.linalg.norm(vectors, axis=1), initial=0.0)
         for vectors in (np.column_stack(samples.w), _wheels_momentum(robot, samples))
     )
     rate = w + (D[-1] * w + h_rw) / D[0]
-    turned = rate * float(np.median(np.diff(samples.t)))
-    return int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS))))
+    turned = rate * dt
+    return max(
+        least, int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS))))
+    )
 
 
 def _wheels_momentum(robot: Robot, samples: Samples) -> Float[np.ndarray, "n 3"]:
