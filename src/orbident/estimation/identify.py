@@ -32,7 +32,7 @@ from orbident.estimation.solve import solve
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
-from orbident.recordings.tables import RecordingLike, opened
+from orbident.recordings.tables import RecordingLike, recording_of
 from orbident.robot.description import Robot
 from orbident.robot.passive_joints import require_measured
 from orbident.robot.robot_file import load_robot
@@ -165,7 +165,7 @@ def _recordings(
     )
     if not several:
         raise InputError("no recording is given; name at least one")
-    return [_in_stretches(opened(each), estimator) for each in several]
+    return [_in_stretches(recording_of(each), estimator) for each in several]
 
 
 def _judged(

@@ -26,7 +26,7 @@ from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.preprocessing.wrenches import recorded_thrust
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
-from orbident.recordings.tables import RecordingLike, opened
+from orbident.recordings.tables import RecordingLike, recording_of
 
 Verdict = Literal["explained", "not explained", "not judged"]
 
@@ -124,7 +124,7 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
     """
     if not isinstance(result, Result):
         raise InputError("give the result first, and then the recording")
-    held = opened(recording)
+    held = recording_of(recording)
     recording = held.read() if isinstance(held, LongRecording) else held
     thrust = any(recorded_thrust(result.robot, recording))
     scores = _unscored(recording) if thrust else scored(result, recording)

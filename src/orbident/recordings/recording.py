@@ -52,7 +52,7 @@ QUATERNION_TOLERANCE = 0.01
 
 
 @runtime_checkable
-class Table(Protocol):
+class NamedColumns(Protocol):
     """Columns by name: a mapping, or a `pandas.DataFrame`."""
 
     def keys(self) -> Iterable[Any]:
@@ -117,7 +117,7 @@ class Recording:
             _check_size(self.source, name, values)
 
     @classmethod
-    def of(cls, table: Table, source: str = "table") -> "Recording":
+    def of(cls, table: NamedColumns, source: str = "table") -> "Recording":
         """The recording that a mapping of columns or a `pandas.DataFrame` holds.
 
         Args:

@@ -28,7 +28,7 @@ from orbident.recordings.csv_table import (
     read_csv,
 )
 from orbident.recordings.long_recording import LARGE, LongRecording
-from orbident.recordings.recording import Recording, Table
+from orbident.recordings.recording import NamedColumns, Recording
 
 
 def write_blocks(
@@ -190,11 +190,11 @@ _BLOCK_ROWS = 65_536
 """What is written at once: a row group of Parquet."""
 
 
-RecordingLike = Recording | LongRecording | Table | str | os.PathLike[str]
+RecordingLike = Recording | LongRecording | NamedColumns | str | os.PathLike[str]
 """A recording, its columns by name, or the file that it is in."""
 
 
-def opened(given: RecordingLike) -> Recording | LongRecording:
+def recording_of(given: RecordingLike) -> Recording | LongRecording:
     """The recording that is meant.
 
     Raises:
@@ -204,7 +204,7 @@ def opened(given: RecordingLike) -> Recording | LongRecording:
         return given
     if isinstance(given, str | os.PathLike):
         return open_recording(given)
-    if isinstance(given, Table):
+    if isinstance(given, NamedColumns):
         return Recording.of(given)
     raise InputError(
         f"found {type(given).__name__} in place of a recording; give a Recording, a "
