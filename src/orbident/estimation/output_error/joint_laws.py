@@ -3,6 +3,7 @@
 Their equations stand in `passive_rates.hpp`.
 """
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -58,8 +59,7 @@ def joint_laws(robot: Robot, wrenches: Wrenches, unexplained: float) -> JointLaw
             m.
 
     Raises:
-        InputError: one carries nothing, or a force acts: what swings lags behind a base
-            that is pushed, which is not in its equations.
+        InputError: one carries nothing, or thrust acts.
     """
     names = [name for name in robot.joint_names if name in robot.passive]
     if names and any(each.force.any() for each in wrenches):
@@ -107,11 +107,10 @@ def springs_of(
             errors.get(f"joint.{name}.{what}", EXACT)
             for what in ("frequency", "damping")
         )
-        frequency = declared.frequency * np.exp(rate.value)
-        share = declared.damping * np.exp(damping.value - rate.value)
-        std = np.hypot(damping.std, rate.std)
-        numbers = (frequency, frequency * rate.std, share, share * std)
-        found[name] = SpringFit(*map(float, numbers))
+        frequency = declared.frequency * math.exp(rate.value)
+        share = declared.damping * math.exp(damping.value - rate.value)
+        std = math.hypot(damping.std, rate.std)
+        found[name] = SpringFit(frequency, frequency * rate.std, share, share * std)
     return found
 
 
