@@ -171,12 +171,12 @@ def _sensitivity(result: Any) -> list[str]:
     name, unit, parameter, shift = table.worst()
     if not shift:
         return []
-    return [
+    words = (
         f"{len(table.errors)} errors of instruments are taken for zero; most critical: "
-        f"{name} must be",
-        f"right to {Numeric(1 / shift, '.2g')} {unit}, which shifts {parameter} by one "
-        "sigma (see 'tolerances' in the docs; all: --json)",
-    ]
+        f"{name} must be right to {Numeric(1 / shift, '.2g')} {unit}, which shifts "
+        f"{parameter} by one sigma (see 'tolerances' in the docs; all: --json)"
+    )
+    return wrap(words, COLUMNS)
 
 
 def budget_lines(budget: Any) -> Iterator[str | DataTable]:

@@ -35,7 +35,7 @@ def new(
     ] = None,
     force: Force = False,
 ) -> None:
-    """Write a robot file to edit, beside a URDF or for a robot without one."""
+    """Write a robot file to edit, beside a URDF or without one."""
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import name_of, write_text
