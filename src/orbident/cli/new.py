@@ -30,7 +30,8 @@ def new(
     model: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="Of a robot that a URDF, xacro, MJCF or SDF describes."
+            metavar="FILE",
+            help="The model beside which it stands: URDF, xacro, MJCF, SDF.",
         ),
     ] = None,
     force: Force = False,
