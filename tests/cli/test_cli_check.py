@@ -45,6 +45,7 @@ def test_a_robot_file_beside_a_model(orbident: Orbident):
     assert document["joints"] == ["joint1", "joint2"]
     assert document["wheels"] == ["rw_1"]
     orbident("new", "b.yaml", "--model", "no.urdf").refused("no.urdf")
+    orbident("new", "b.yaml", "--model", "robot.yaml").refused("give a URDF, xacro")
     orbident("new", "b.yaml", "--model", "arm.urdf", "--dh").refused("--dh")
 
 

@@ -40,10 +40,13 @@ def new(
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import name_of, write_text
+    from orbident.robot.formats.model_file import KINDS, SUFFIXES
     from orbident.robot.new_robot_file import new_robot_text, robot_text_of_model
 
     if robot.suffix.lower() not in {".yaml", ".yml"}:
         raise oi.InputError(f"{robot}: give a name that ends in .yaml")
+    if model is not None and model.suffix.lower() not in SUFFIXES:
+        raise oi.InputError(f"{model}: give {KINDS}")
     if model is not None and dh:
         raise oi.InputError("--model and --dh each describe the arm; give one of them")
     check_free(robot, force)

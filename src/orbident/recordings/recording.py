@@ -130,11 +130,11 @@ class Recording:
             InputError: There is no `t`, an array has another number of components, or
                 `Recording` refuses the values.
         """
-        columns = dict[str, Any]()
+        columns = list[tuple[str, Any]]()
         for name in table.keys():  # noqa: SIM118 (a frame iterates otherwise)
             values = np.asarray(table[name])
             if name not in VECTORS:
-                columns[str(name)] = values
+                columns.append((str(name), values))
                 continue
             parts = vector_columns(name)
             if values.ndim != 2 or values.shape[1] != len(parts):
@@ -142,12 +142,13 @@ class Recording:
                     f"{source}: '{name}' has shape {values.shape}; give samples by "
                     f"{len(parts)} components, or the columns {', '.join(parts)}"
                 )
-            columns |= zip(parts, values.T, strict=True)
+            columns += zip(parts, values.T, strict=True)
         index = getattr(table, "index", None)
         if getattr(index, "name", None) == "t":
-            columns.setdefault("t", np.asarray(index))
-        check_names(source, list(columns))
-        return cls(t=columns.pop("t"), columns=columns, source=source)
+            columns.append(("t", np.asarray(index)))
+        check_names(source, [name for name, _ in columns])
+        by_name = dict(columns)
+        return cls(t=by_name.pop("t"), columns=by_name, source=source)
 
     def __repr__(self) -> str:
         """Where it is from, how long it is, and what was measured."""

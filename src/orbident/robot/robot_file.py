@@ -224,7 +224,7 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
         MissingLibraryError: the extra that this kind of file needs is not installed.
     """
     if isinstance(source, Mapping):
-        document = {"schema": _SCHEMA, **source}
+        document = {"schema": _SCHEMA, **_plain(source)}
         return _described(document, Path("robot.yaml"), "robot")
     if str(source) in bundled_robots():
         return _from_robot_file(_library() / f"{source}.yaml", place=str(source))
@@ -236,6 +236,15 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
     if suffix in SUFFIXES:
         return _from_model(path)
     raise InputError(_not_a_robot(path))
+
+
+def _plain(value: Any) -> Any:
+    """As YAML would have it: arrays are lists, and their numbers are Python's."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def write_robot(robot: Robot, folder: str | Path) -> Path:

@@ -47,6 +47,7 @@ def test_vectors_are_arrays():
     [
         ({"t": [0, 1], "gyro": np.zeros((2, 4))}, "2 by 3|by 3 components"),
         ({"gyro.x": [0.0, 1.0]}, "'t' is missing"),
+        ({"t": [0, 1], "gyro": np.zeros((2, 3)), "gyro.x": [0, 1]}, "2 columns are"),
         (pd.DataFrame({"gyro.x": [0.0, 1.0]}), "'t' is missing"),
     ],
 )
@@ -88,7 +89,7 @@ def test_a_robot_without_a_file(robot: oi.Robot):
     made = oi.load_robot(
         {
             "name": "satellite",
-            "bodies": {"base": {"mass": 10.0, "inertia": [1.0, 1.0, 1.0]}},
+            "bodies": {"base": {"mass": np.float64(10), "inertia": np.ones(3)}},
             "thrusters": [
                 {
                     "name": "t1",
