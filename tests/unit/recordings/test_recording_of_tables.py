@@ -1,11 +1,11 @@
 """What Python users have at hand: mappings, frames, arrays of vectors."""
 
-import subprocess
 import sys
 
 import numpy as np
 import pandas as pd
 import pytest
+from processes import finished
 from small_problems import small_recording
 
 import orbident as oi
@@ -76,11 +76,7 @@ def test_identify_takes_what_is_at_hand(robot: oi.Robot, recording: oi.Recording
 )
 def test_other_things_are_refused_in_one_line(call: str, words: str):
     """Without the types that tests check."""
-    ran = subprocess.run(
-        [sys.executable, "-c", f"import orbident as oi; {call}"],
-        capture_output=True,
-        text=True,
-    )
+    ran = finished(sys.executable, "-c", f"import orbident as oi; {call}")
     assert words in ran.stderr.splitlines()[-1]
 
 
