@@ -10,7 +10,12 @@ from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.instruments import freed, kinds
-from orbident.diagnosis.late_clocks import already_corrected, clocks, fast_clocks
+from orbident.diagnosis.late_clocks import (
+    already_corrected,
+    clocks,
+    far_off,
+    fast_clocks,
+)
 from orbident.diagnosis.linear_test import (
     FALLS,
     CorrectedConvention,
@@ -51,7 +56,7 @@ LOST = 6
 are wrong, putting one of them right does not bring a fit."""
 
 
-QUICK = 4.0
+QUICK = 5.0
 """s of CPU after which a quick search begins no further trial: with the fit before it,
 and with a look for an event after it, an answer takes some ten."""
 
@@ -207,14 +212,25 @@ def _tried(
     the CPU's time is at its end.
     """
     problem, trials, rival = solved.problem, list[Trial](), NONE
+    late = dict[str, float]()
+
+    def far_clocks(problem: MomentumProblem) -> Iterable[Trial]:
+        late.update(far_off(problem))
+        return clocks(problem, late) if any(late.values()) else ()
+
+    def near_clocks(problem: MomentumProblem) -> Iterable[Trial]:
+        return () if any(late.values()) else clocks(problem, late)
+
     for some in (
         noisier_sensors,
         spikes,
         partial(_written, conventions),
+        # What the linear equations see is no small error, which others would follow.
+        far_clocks,
         lambda _: _likeliest(solved),
         # Wrong inertias of known wheels may look like another one.
         missing_wheel,
-        clocks,
+        near_clocks,
         wandering,
     ):
         for one in some(problem):

@@ -96,12 +96,13 @@ def _disagreeing(problem: MomentumProblem) -> list[str]:
 
 def _apart(sensors: list[str], when: str, pushed: str = "") -> Event:
     """What is known of sensors that do not agree with the others."""
-    one = len(sensors) == 1
-    without = "it" if one else f"any one of {'both' if len(sensors) == 2 else 'them'}"
+    without, which = "it", "it"
+    if len(sensors) > 1:
+        without, which = f"{'either' if len(sensors) == 2 else 'any'} of them", "one"
     return Event(
         f"the {joined(sensors)} and the other instruments do not agree{when}: without "
-        f"{without} the recording fits (perhaps it drifts, jumps (a step), or has "
-        f"errors that last, or an encoder is off{pushed})",
+        f"{without} the recording fits (perhaps {which} drifts, jumps (a step), has "
+        f"errors that last or a clock that is off, or an encoder is off{pushed})",
         "leave it out, or compare the instruments where the robot rests or is moved by "
         "hand",
     )

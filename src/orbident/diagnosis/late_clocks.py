@@ -68,10 +68,15 @@ def already_corrected(problem: MomentumProblem) -> Corrected | None:
     return Corrected(recorded, trial("", recorded), words)
 
 
-def clocks(problem: MomentumProblem) -> Iterator[Trial]:
-    """Identify again, with the clocks of all sensors but the gyro as unknowns."""
+def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
+    """Identify again, with the clocks of all sensors but the gyro as unknowns.
+
+    Args:
+        problem: of a recording.
+        roughly: where to look, s late.
+    """
     free = {f"{name}.clock": UNKNOWN for name in SHARED}
-    late, found = _roughly(problem), None
+    late, found = {**roughly}, None
     corrected = corrections(problem.clocks)
     for _ in range(ROUNDS):
         try:
@@ -103,7 +108,7 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
         yield found
 
 
-def _roughly(problem: MomentumProblem) -> dict[str, float]:
+def far_off(problem: MomentumProblem) -> dict[str, float]:
     """Clocks that are so far off that their effect is no longer in proportion."""
     part = problem.beginning(ROWS)
     best, at = HELPS * linear_misfit(part, part.samples), dict.fromkeys(SHARED, 0.0)

@@ -6,7 +6,7 @@ from cause_problems import clean
 from small_problems import small_recording, small_robot
 
 from orbident.diagnosis.causes import causes
-from orbident.diagnosis.late_clocks import SHARED, _behind, clocks
+from orbident.diagnosis.late_clocks import SHARED, _behind, clocks, far_off
 from orbident.errors import InputError
 from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
@@ -24,7 +24,7 @@ def test_a_position_that_is_a_row_early():
     }
     early = Recording(recording.t[:-1], columns)
     problem = momentum_problem(clean().robot, early, "unknown", lambda _: None)
-    (found,) = clocks(problem)
+    (found,) = clocks(problem, far_off(problem))
     assert found.accepted
     assert found.cause == "the clock of the position is 100 ms early"
 
