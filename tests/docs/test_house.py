@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 306,
-    "lines": 58_792,
+    "lines": 58_797,
     "files of estimation": 49,
-    "lines of estimation": 11_005,
+    "lines of estimation": 11_010,
     "files with one user": 66,
     "imports below each other": 31,
     "numbers without a reason": 38,

@@ -17,6 +17,7 @@ from orbident.estimation.levels import chi_square
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.residual_checks import residual_checks
 
 FEWEST = 100
 """Samples of a part that output error is asked about: of fewer it learns little."""
@@ -52,7 +53,8 @@ def since_the_last_change(
     before = _between(problem, begin, ends[0])
     for done, (change, end) in enumerate(zip(suspected, ends[1:], strict=True), 1):
         progress(done / len(ends))
-        after = _between(problem, change.t, end)
+        # A later alarm may be none: the whole rest tells most where it fits.
+        after = _between(problem, change.t, np.inf) or _between(problem, change.t, end)
         if _differ(before, after):
             confirmed.append(change)
             begin, before = change.t, after
@@ -72,7 +74,10 @@ def _between(problem: MomentumProblem, begin: float, end: float) -> Estimate | N
         shown = evidence(part, OutputError(steps=FEW_STEPS), lambda _: None).shown
     except InputError:
         return None
-    return shown if shown and shown.converged else None
+    if shown is None or not shown.converged:
+        return None
+    checks = residual_checks(part, shown)
+    return shown if all(each.level != "do not trust" for each in checks) else None
 
 
 def _part(problem: MomentumProblem, begin: float, end: float) -> MomentumProblem:

@@ -36,7 +36,7 @@ def test_so_many_trials_without_a_least_cost_are_enough(
     made: list[Trial] = []
 
     def trials(problem: MomentumProblem, *_: object) -> Iterator[Trial]:
-        for _ in range(4):
+        for _k in range(4):
             made.append(Trial("", False, 1e9, lost if fits else None))
             yield made[-1]
 
