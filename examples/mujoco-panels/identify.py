@@ -25,7 +25,7 @@ DURATION, EVERY = 60.0, 20
 """s; steps from row to row."""
 
 SPIN = np.array([150.0, -120.0, 100.0])
-"""Of the wheels at the start, rad/s."""
+"""Speed of the wheels at the start, rad/s."""
 
 
 def commanded(t: float) -> np.ndarray:

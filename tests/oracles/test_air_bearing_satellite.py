@@ -9,12 +9,11 @@ where it is from). With the place of it,
 
 import os
 from dataclasses import replace
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pages import ROOT
+from examples import EXAMPLES, identifying
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
@@ -26,7 +25,7 @@ pytestmark = pytest.mark.skipif(
     not FLIGHT.is_file(), reason="ORBIDENT_REAL_FLIGHT does not name the flight's file"
 )
 
-EXAMPLE = ROOT / "examples/air-bearing-satellite"
+EXAMPLE = EXAMPLES / "air-bearing-satellite"
 
 WEIGHED = 23.09
 """kg, by scales."""
@@ -37,12 +36,7 @@ COM = np.array([0.0056, 0.0008])
 
 @pytest.fixture(scope="module")
 def example():
-    spec = spec_from_file_location("air_bearing", EXAMPLE / "identify.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return identifying("air-bearing-satellite")
 
 
 @pytest.fixture(scope="module")

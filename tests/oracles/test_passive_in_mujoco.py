@@ -5,12 +5,11 @@ The satellite is that of `examples/mujoco-panels`, with a CAD model that is off 
 
 import re
 from dataclasses import replace
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pages import ROOT
+from examples import EXAMPLES, identifying
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
@@ -20,7 +19,7 @@ from orbident.robot.robot_file import load_robot
 
 pytestmark = pytest.mark.long
 
-EXAMPLE = ROOT / "examples/mujoco-panels"
+EXAMPLE = EXAMPLES / "mujoco-panels"
 
 FREQUENCY, DAMPING = 0.5, 0.005
 """Of both panels in MuJoCo: Hz, and over critical damping."""
@@ -32,12 +31,7 @@ below 1e-3 by chance."""
 
 @pytest.fixture(scope="module")
 def example():
-    spec = spec_from_file_location("mujoco_panels", EXAMPLE / "identify.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return identifying("mujoco-panels")
 
 
 def by_cad(true: Robot, seed: int, passive: dict[str, Passive]) -> Robot:

@@ -26,7 +26,7 @@ ROUNDING = 1e-12
 
 
 SMALL = 1e-6
-"""Of the largest moment: smaller products of inertia are not shown."""
+"""Products of inertia below this part of the largest moment are not shown."""
 
 
 def robot_tree(robot: Robot) -> Tree:

@@ -33,7 +33,7 @@ from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
-from orbident.recordings.recording import float32_step
+from orbident.recordings.column_checks import float32_step
 from orbident.threads import one_blas_thread
 
 EXPLAINS = 100.0

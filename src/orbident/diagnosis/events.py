@@ -82,7 +82,8 @@ def event(problem: MomentumProblem) -> Event | None:
 def _disagreeing(problem: MomentumProblem) -> list[str]:
     """The sensors without which the others fit.
 
-    The first samples stay: without any velocity the mass could not be told.
+    The first `FEWEST` samples of the sensor stay in the recording, because without any
+    velocity of S the mass could not be estimated.
     """
     recording = problem.recording
     later = np.arange(recording.t.size) >= FEWEST

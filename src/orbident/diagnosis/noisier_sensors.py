@@ -75,7 +75,7 @@ def wandering(problem: MomentumProblem) -> Iterator[Trial]:
 def _trial(
     cause: str, problem: MomentumProblem, sensors: Mapping[str, Sampled]
 ) -> Trial:
-    """The same problem with other noise of these sensors."""
+    """Identify again with these sensors declared in place of the robot file's."""
     robot = problem.robot
     amended = robot.sensors.model_copy(update=sensors)
     return amended_trial(cause, problem, replace(robot, sensors=amended))

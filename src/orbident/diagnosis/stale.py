@@ -20,7 +20,8 @@ COUNTS = 3.0
 and a sensor that was stuck leaps."""
 
 WHOLE = 0.01
-"""Of a step: what rounding errors of decimals leave, at most."""
+"""Changes that are within this part of a whole number of steps are whole steps: the
+rounding of decimals leaves less."""
 
 
 def stale(robot: Robot, recording: Recording) -> Iterator[str]:

@@ -5,9 +5,8 @@ kinetic energy of a robot that exists is positive.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -16,14 +15,12 @@ from jaxtyping import Float
 from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import ChiSquare
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
-from orbident.estimation.unknowns import SpringFit
 from orbident.model.kinematics import inertia
 from orbident.model.rotor_momentum import rotor_deviations
-from orbident.robot.description import Passive, Robot
+from orbident.robot.description import Robot
 
 BURN = "Eq. 40"
 """The mass by a thruster burn, among others."""
@@ -56,16 +53,6 @@ wheel speeds in them are taken for rad/s."""
 NEAR = 1.5
 """Times that an identified mass may be off a unit's factor: CAD values are hardly
 further off."""
-
-ALIKE = 0.15
-"""Of two passive joints, the logarithm of the ratio of their frequencies: with 0.3 and
-0.35 Hz results hold, with equal ones they do not."""
-
-SURELY_APART = 30.0
-"""Deviations by which it must differ from zero. The recording shows its square `s`: its
-own deviation is `std(s) / 2 sqrt(s)`, and first order holds from 15 of those of `s`.
-Two equal panels were found to be apart by eight; those at 1 and 0.8 Hz, apart by 22,
-had frequencies 1.5 % off."""
 
 MASS_BESIDE_NOMINAL = "mass beside the nominal one"
 """The check's name."""
@@ -291,50 +278,6 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
         reason = f"mass: found {M.value:.4g} kg, which no robot has"
     if not (finite and M.value > 0):
         yield Check("possible numbers", "do not trust", reason, CAUSES)
-
-
-def what_swings(
-    passive: Mapping[str, Passive],
-    springs: Mapping[str, SpringFit],
-    carried: ChiSquare,
-) -> Iterator[Check]:
-    """Whether passive joints carry what they may, and no two of them swing alike.
-
-    What tells the parameters of two apart that do shows in second order, and deviations
-    are of first order; those of one make are alike beforehand.
-
-    Args:
-        passive: the joints, as the robot file has them.
-        springs: how they were found to swing.
-        carried: how far what they carry is from what was known of it beforehand.
-    """
-    if carried.is_no_chance("other parameters"):
-        yield Check(
-            "what swings",
-            "do not trust",
-            "what passive joints carry is not what their nominal inertias say: by "
-            f"{carried.value**0.5:.2g} of the deviations beforehand",
-            "check masses and places of what swings, or say how well its inertia is "
-            "known (passive: JOINT: inertia in the robot file)",
-        )
-    for one, other in combinations(springs, 2):
-        of_one_make = len({passive[name].like or name for name in (one, other)}) == 1
-        fits = springs[one], springs[other]
-        apart = abs(np.log(fits[0].frequency / fits[1].frequency))
-        std = sum(fit.frequency_std / fit.frequency for fit in fits)
-        enough = max(ALIKE, SURELY_APART * std)
-        if apart < enough and not of_one_make:
-            yield Check(
-                "alike springs",
-                "do not trust",
-                f"joints '{one}' and '{other}' swing alike, or may: what tells apart "
-                "what they carry is known far worse than deviations say",
-                f"if they are of one make, say so (passive: {other}: {{like: {one}}}); "
-                "else measure one of them",
-                apart,
-                enough,
-            )
-            return
 
 
 def mass_checks(

@@ -10,8 +10,14 @@ from jaxtyping import Bool, Float
 
 from orbident.data_table import frame
 from orbident.errors import InputError
-from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
 from orbident.files.names import closest, listed
+from orbident.recordings.column_checks import (
+    as_column,
+    check_attitude,
+    check_column,
+    check_size,
+    check_time,
+)
 from orbident.recordings.columns import (
     VECTORS,
     check_names,
@@ -22,33 +28,6 @@ from orbident.recordings.columns import (
     vector_columns,
 )
 from orbident.robot.description import Robot
-
-MATTERS = 1e-3
-"""Of the time from row to row: a wheel of 100 rad/s turns 1 mrad in 1e-4 of 0.1 s."""
-
-FIRST = 100_000
-"""Times that are looked at: the first ones tell it."""
-
-UNEVEN = 0.1
-"""Part of the steps that differ: those that a float32 holds exactly are all alike."""
-
-
-def float32_step(t: Float[np.ndarray, " samples"]) -> float:
-    """What times were rounded to as float32, s; 0 where they were not, or hardly.
-
-    Args:
-        t: times, s, in any order.
-    """
-    t = t[:FIRST]
-    if not np.array_equal(t, t.astype(np.float32)):
-        return 0.0
-    step, steps = float(np.spacing(np.float32(np.abs(t).max()))), np.diff(t)
-    uneven = np.mean(steps != np.median(steps)) > UNEVEN
-    return step if uneven and step > MATTERS * np.mean(np.abs(steps)) else 0.0
-
-
-QUATERNION_TOLERANCE = 0.01
-"""Loggers that print few digits stay well inside; another convention does not."""
 
 
 @runtime_checkable
@@ -89,15 +68,15 @@ class Recording:
     """What was no sample though it was a number, in words."""
 
     def __post_init__(self) -> None:
-        t = _as_column(self.source, "t", self.t)
+        t = as_column(self.source, "t", self.t)
         columns = {
-            name: _as_column(self.source, name, values)
+            name: as_column(self.source, name, values)
             for name, values in self.columns.items()
         }
         object.__setattr__(self, "t", t)
-        _check_time(self.source, t)
+        check_time(self.source, t)
         for name, values in columns.items():
-            _check_column(self.source, name, values, t.size)
+            check_column(self.source, name, values, t.size)
         attitude = vector_columns("attitude")
         if columns.keys() >= set(attitude):
             zero = np.logical_and.reduce([columns[name] == 0 for name in attitude])
@@ -105,16 +84,16 @@ class Recording:
                 # So a tracker writes that it sees nothing.
                 for name in attitude:
                     column = np.where(zero, np.nan, columns[name])
-                    columns[name] = _as_column(self.source, name, column)
+                    columns[name] = as_column(self.source, name, column)
                 note = (
                     "attitude: quaternions of zeros are taken as no samples, the first "
                     f"at t = {t[zero.argmax()]:g} s"
                 )
                 object.__setattr__(self, "notes", (*self.notes, note))
-            _check_attitude(self.source, [columns[name] for name in attitude])
+            check_attitude(self.source, [columns[name] for name in attitude])
         object.__setattr__(self, "columns", columns)
         for name, values in columns.items():
-            _check_size(self.source, name, values)
+            check_size(self.source, name, values)
 
     @classmethod
     def of(cls, table: NamedColumns, source: str = "table") -> "Recording":
@@ -131,7 +110,8 @@ class Recording:
                 `Recording` refuses the values.
         """
         columns = list[tuple[str, Any]]()
-        for name in table.keys():  # noqa: SIM118 (a frame iterates otherwise)
+        names = list(table.keys())
+        for name in names:
             values = np.asarray(table[name])
             if name not in VECTORS:
                 columns.append((str(name), values))
@@ -318,118 +298,4 @@ def check_cut(
         raise InputError(
             f"{source}: has {rows} rows from {start:g} s to {end:g} s; its times "
             f"are {first:g} s to {last:g} s: choose other ends"
-        )
-
-
-def _as_column(source: str, name: str, values: object) -> np.ndarray:
-    array = np.asarray(values)
-    if array.dtype.kind not in "iuf":
-        raise InputError(
-            f"{source}: column '{name}' holds {array.dtype} values; give numbers"
-        )
-    if array.ndim != 1:
-        raise InputError(
-            f"{source}: column '{name}' has shape {array.shape}; "
-            "give one number a sample"
-        )
-    column = array.astype(np.float64, copy=False).view()
-    column.flags.writeable = False
-    return column
-
-
-def _check_time(source: str, t: np.ndarray) -> None:
-    if t.size < 2:
-        raise InputError(f"{source}: has {t.size} samples; at least 2 are needed")
-    # Indices of all bad rows would be as large as the times.
-    bad = ~np.isfinite(t)
-    if bad.any():
-        k = int(bad.argmax())
-        raise InputError(
-            f"{source}: column 't', row {k + 1}: found {t[k]}; "
-            "every row needs a time in seconds"
-        )
-    far = np.abs(t) > LARGEST
-    if far.any():
-        k = int(far.argmax())
-        raise InputError(
-            f"{source}: column 't', row {k + 1}: found {t[k]:g} s; give at "
-            f"most {LARGEST:g}: is it in nanoseconds? divide it by 1e9"
-        )
-    steps = np.diff(t)
-    late = steps <= 0
-    if late.any():
-        k, step = int(late.argmax()) + 1, float32_step(t)
-        remedy = (
-            "times must be strictly increasing: sort the rows and drop repeated "
-            "ones, or cut the recording here if its clock was set or restarted"
-        )
-        if step:
-            remedy = (
-                f"they were kept as float32, in steps of {step:.2g} s: write float64"
-            )
-        raise InputError(
-            f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
-            f"{t[k - 1]} s; {remedy}"
-        )
-    short = steps < SHORTEST
-    if short.any():
-        k = int(short.argmax()) + 1
-        raise InputError(
-            f"{source}: column 't', row {k + 1}: {t[k] - t[k - 1]:.3g} s after the row "
-            f"before; give times in seconds, at least {SHORTEST:g} s apart"
-        )
-    step = (t[-1] - t[0]) / (t.size - 1)
-    if step < TOGETHER:
-        raise InputError(
-            f"{source}: column 't': rows are {step:.2g} s apart in the mean, and no "
-            f"sensor samples faster than every {TOGETHER:g} s; give times in seconds"
-        )
-
-
-def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> None:
-    if name == "t":
-        raise InputError(f"{source}: column 't' is given twice; remove one")
-    if values.size != samples:
-        raise InputError(
-            f"{source}: column '{name}' has {values.size} rows but 't' has {samples}; "
-            "give NaN where there is no sample"
-        )
-    bad = np.flatnonzero(np.isinf(values))
-    if bad.size:
-        raise InputError(
-            f"{source}: column '{name}', row {bad[0] + 1}: found {values[bad[0]]}; "
-            "leave the cell empty where there is no sample"
-        )
-
-
-def _check_size(source: str, name: str, values: np.ndarray) -> None:
-    if not is_known(name):
-        return
-    size = np.abs(values)
-    largest = np.fmax.reduce(size, initial=0.0)
-    if 0.0 < largest < FAINTEST:
-        raise InputError(
-            f"{source}: column '{name}': nothing in it is above {largest:.3g}, which "
-            "no sensor measures; give SI units, or 0 where nothing moves"
-        )
-    huge = np.flatnonzero(size > LARGEST)
-    if huge.size:
-        raise InputError(
-            f"{source}: column '{name}', row {huge[0] + 1}: found "
-            f"{values[huge[0]]:g}; give at most {LARGEST:g} in SI units, or leave the "
-            "cell empty where there is no sample"
-        )
-
-
-def _check_attitude(source: str, components: Sequence[np.ndarray]) -> None:
-    norm = np.zeros_like(components[0])
-    with np.errstate(over="ignore"):
-        for component in components:
-            norm += np.square(component)
-    np.sqrt(norm, out=norm)
-    bad = np.flatnonzero(np.abs(norm - 1.0) > QUATERNION_TOLERANCE)
-    if bad.size:
-        raise InputError(
-            f"{source}: columns 'attitude.x' to '.w', row {bad[0] + 1}: norm "
-            f"{norm[bad[0]]:.6g}; give unit quaternions, scalar last"
         )

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.recordings.recording import Recording, float32_step
+from orbident.recordings.column_checks import float32_step
+from orbident.recordings.recording import Recording
 
 WEEK = 604_800.0
 T = np.arange(200) * 0.2

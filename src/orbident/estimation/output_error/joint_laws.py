@@ -36,7 +36,7 @@ joints may move nearly as they like, how far they swing and what they carry are 
 unknown: searches went along it, and from there to other minima."""
 
 EXACT = CalibrationFit(0.0, 0.0, 0.0)
-"""Of what is taken as it is declared."""
+"""The error of a quantity that is taken as the robot file declares it."""
 
 
 class JointLaws(NamedTuple):

@@ -121,7 +121,7 @@ class RecordedThrust:
         force: Float[np.ndarray, "steps _ 3"],
         torque: Float[np.ndarray, "steps _ 3"],
     ) -> Effect:
-        """Of a force and a torque in base axes, which turn with it."""
+        """The effect of a force and a torque in base axes, which turn with the base."""
         R_WB = by_step(self.motion.R_WB)
         turned = (
             np.einsum("skij,skj->ski", R_WB, x + np.zeros(3)) for x in (force, torque)

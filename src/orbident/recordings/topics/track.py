@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.files.replacing import writing
-from orbident.recordings.recording import QUATERNION_TOLERANCE
+from orbident.recordings.column_checks import QUATERNION_TOLERANCE
 from orbident.recordings.topics.entry import Entry
 from orbident.recordings.topics.fields import Table
 
