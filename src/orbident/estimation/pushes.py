@@ -59,6 +59,9 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
     row = jump_of_momenta(problem)
     pushed = problem.amended(pushed=(t[row - AROUND], t[row + AROUND]))
     shown = OutputError(steps=FEW_STEPS).estimate(pushed, progress)
+    # Any method is judged beside what output error shows.
+    if not _fits(Solved(pushed, [], shown, shown)):
+        return solved
     again = solved_by(estimator, pushed, shown, progress)
     return again if _fits(again) else solved
 

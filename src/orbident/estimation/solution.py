@@ -136,6 +136,18 @@ class Linear(NamedTuple):
         """These equations without their large parts, links and residuals."""
         return self._replace(links=self.links[:0].copy(), residuals={})
 
+    def carried(self, places: Float[np.ndarray, " selected"]) -> "Linear":
+        """The equations with these of the selected alone, where all others are zero."""
+        own = self.at.selected
+        if np.array_equal(own, places):
+            return self
+        gone = np.flatnonzero(~np.isin(own, places)) - own.size - 1
+        factor = np.delete(self.factor, gone, axis=1)
+        links = np.delete(self.links, gone, axis=2)
+        return self._replace(
+            factor=triangular_factor(factor), links=links, at=self.at.carried(places)
+        )
+
     @property
     def given_up(self) -> bool:
         """Whether that is so."""

@@ -55,7 +55,7 @@ def identified(
         freed: groups that are larger than they may be.
     """
     fits = {}
-    groups = {each.family: each.std for each in problem.expected}
+    groups = {each.family: each.std for each in problem.acting.expected}
 
     def seen(*families: str) -> bool:
         value, C = sizes_of(problem, solution, *families)
@@ -76,7 +76,7 @@ def identified(
             known = densities.get(group, Density(wave.std, 0.0))
             fits[group] = DisturbanceFit(group, wave.unit, wave.std, known.std, shift)
             continue
-        for k, each in enumerate(problem.unknowns([group])):
+        for k, each in enumerate(selected_of(problem, solution.state, group)):
             fits[each.name] = DisturbanceFit(
                 group, each.unit, float(value[k]), float(std[k]), shift
             )
@@ -114,7 +114,7 @@ def _shift(problem: Problem, solution: Solution, group: str) -> float:
     C, state = solution.covariance, solution.state
     first = len(C) - state.common.size + OUTSIDE
     beta = np.arange(first, first + state.beta.size)
-    here = len(C) - state.selected.size + _selected(problem, state, group)
+    here = len(C) - state.selected.size + _places(problem, state, group)
     change = C[np.ix_(beta, here)] @ np.linalg.solve(C_gg, value)
     return float(np.max(np.abs(change) / np.sqrt(np.diag(C)[beta])))
 
@@ -124,7 +124,7 @@ def sizes_of(
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
     """The numbers of families that were freed, SI, and their covariance."""
     state = solution.state
-    which = _selected(problem, state, *families)
+    which = _places(problem, state, *families)
     here = len(solution.covariance) - state.selected.size + which
     return state.calibration[which], solution.covariance[np.ix_(here, here)]
 
@@ -136,8 +136,8 @@ def surprise_of(problem: Problem, solution: Solution, family: str) -> ChiSquare:
     What the recording tells nothing of is left out.
     """
     value, C = sizes_of(problem, solution, family)
-    std = np.array([each.std for each in problem.unknowns([family])])
-    return _surprise(value, std, C)
+    chosen = selected_of(problem, solution.state, family)
+    return _surprise(value, np.array([each.std for each in chosen]), C)
 
 
 def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
@@ -174,11 +174,15 @@ def _surprise(
     return ChiSquare(float(np.sum(u**2 / told[seen])), int(seen.sum()))
 
 
-def _selected(
-    problem: Problem, state: Unknowns, *families: str
-) -> Int[np.ndarray, " n"]:
-    """Where the numbers of families are among those selected."""
-    places = [each.place for each in problem.unknowns(families)]
+def selected_of(problem: Problem, state: Unknowns, *families: str) -> list[Unknown]:
+    """The numbers of families that are among those selected."""
+    every = problem.unknowns(families)
+    return [each for each in every if each.place in state.selected]
+
+
+def _places(problem: Problem, state: Unknowns, *families: str) -> Int[np.ndarray, " n"]:
+    """Where they are among those selected."""
+    places = [each.place for each in selected_of(problem, state, *families)]
     return np.flatnonzero(np.isin(state.selected, places))
 
 
@@ -227,8 +231,9 @@ def most_likely_densities(
 def size_of(problem: Problem, solution: Solution, family: str) -> float:
     """How large something is that was free, by restricted likelihood as well; SI."""
     value, C = sizes_of(problem, solution, family)
+    chosen = {each.name for each in selected_of(problem, solution.state, family)}
     every = problem.acting.followed.disturbances
-    share = np.array([each.std for each in every if each.group == family])
+    share = np.array([each.std for each in every if each.name in chosen])
     # Numbers that are all zero still may be as large as the least deviation.
     least = np.min(np.sqrt(np.diag(C)) / share)
     guess = float(max(np.sqrt(np.mean(np.square(value / share))), least))

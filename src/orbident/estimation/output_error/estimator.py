@@ -114,6 +114,8 @@ class OutputError:
             search.problem,
             lambda equations: replace(search, problem=equations).freed(),
         )
+        # Densities that nobody declared are estimated from all waves.
+        equations = equations._replace(shows=search.shows)
         equations, found, expected, zeros, freed = fit_in_world(
             replace(search, problem=equations), excluded
         )
@@ -198,20 +200,28 @@ class OutputError:
                 ]
                 ends = [min(fits, key=lambda fit: fit.cost).state]
             starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
-        at_hand = []
+        at_hand, shows = [], dict[str, float]()
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:
             _core.give_back_memory()
         else:
-            every = [linear(equations, equations.weights, at) for at in starts]
+            acting = equations.expected
+            places = np.array([each.place for each in (*equations.declared, *acting)])
+            every = [
+                linear(equations, equations.weights, at.carried(places))
+                for at in starts
+            ]
             order = sorted(range(len(every)), key=lambda k: every[k].cost)
             starts, at_hand = [starts[k] for k in order], [every[order[0]]]
             del every
+            sizes = np.linalg.norm(at_hand[0].factor[:, -1 - len(acting) : -1], axis=0)
+            shows = {each.name: size for each, size in zip(acting, sizes, strict=True)}
         return Search(
             equations,
             prior,
             starts,
             at_hand,
+            shows,
             {name: each.least / each.std for name, each in sensors.by_name.items()},
             {name for name, each in sensors.by_name.items() if each.declared},
             step,
@@ -256,7 +266,7 @@ def check_disturbances_show(problem: Problem) -> None:
 
 def _allowed(problem: Problem) -> dict[str, float]:
     """How large what acts may be, by group; NaN for anything."""
-    here = {each.family for each in problem.expected}
+    here = {each.family for each in problem.acting.expected}
     return {
         group: each.size if np.isfinite(each.size) else np.nan
         for group, each in problem.acting.allowed.items()

@@ -23,6 +23,7 @@ from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
+    selected_of,
     size_of,
     sizes_of,
     surprise_of,
@@ -64,6 +65,8 @@ class Search:
     """Where a search starts; from the next where that leads nowhere."""
     at_hand: list[Linear]
     """The equations at the first start, until they are used: they are large."""
+    shows: Mapping[str, float]
+    """How much of what acts they show; see `Problem`."""
     least: Mapping[str, float]
     """Levels of noise by sensor, over what is assumed at first."""
     declared: Collection[str]
@@ -92,7 +95,7 @@ class Search:
         steps = min(self.steps, FEW_STEPS) if trial else self.steps
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
-        here = self.at_hand.pop() if self.at_hand else None
+        here = self.at_hand.pop().carried(places) if self.at_hand else None
         solutions = list[Solution]()
         for start in starts:
             solution = solved(
@@ -102,7 +105,7 @@ class Search:
                 start.carried(places),
                 self.progress,
                 steps,
-                None if more else here,
+                here,
             )
             here = None
             if solution.converged:
@@ -326,5 +329,6 @@ def _bad(problem: Problem, cost: float) -> bool:
 def _impossible(problem: Problem, solution: Solution, family: str) -> bool:
     """Whether it pushes where it can only brake."""
     value, C = sizes_of(problem, solution, family)
-    positive = np.array([each.positive for each in problem.unknowns([family])])
+    chosen = selected_of(problem, solution.state, family)
+    positive = np.array([each.positive for each in chosen], dtype=bool)
     return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())

@@ -19,7 +19,7 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
-from orbident.environment.agents import DENSITY
+from orbident.environment.agents import DENSITY, FREE
 from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
@@ -70,6 +70,12 @@ NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
 
 
+NEGLIGIBLE = 0.01
+"""Deviations of all samples together. Of a size that shows less, what acts moves no
+parameter by more of its deviation: it would be an unknown that only takes time."""
+
+NOTHING_SEEN: Mapping[str, float] = {}
+
 NOTHING = Outside(*np.zeros((len(Outside._fields), 3)))
 
 
@@ -94,6 +100,9 @@ class Problem(NamedTuple):
     """The errors that act on it, and gains of recorded thrust."""
     acting: Acting
     """What may act from outside."""
+    shows: Mapping[str, float] = NOTHING_SEEN
+    """How much of what acts all samples show, in their deviations, by one of its unit;
+    what is not among these is not worked out."""
 
     @property
     def declared(self) -> tuple[Unknown, ...]:
@@ -107,8 +116,13 @@ class Problem(NamedTuple):
 
     @property
     def expected(self) -> tuple[Unknown, ...]:
-        """What may act, and is unknown in every fit: it has a size."""
-        return self.acting.expected
+        """What may act, and is unknown in every fit: it has a size that would show."""
+        return tuple(
+            each
+            for each in self.acting.expected
+            if each.std == FREE
+            or each.std * self.shows.get(each.name, np.inf) > NEGLIGIBLE
+        )
 
     def unknowns(self, names: Collection[str]) -> tuple[Unknown, ...]:
         """All that have one of these names, or are of one of these families."""

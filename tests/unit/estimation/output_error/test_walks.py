@@ -12,8 +12,11 @@ from orbident.environment.motion import by_step
 from orbident.environment.torques_and_forces import WAVES
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.momentum_problem import momentum_problem
+from orbident.estimation.output_error import problem
 from orbident.estimation.output_error.acting import at_nodes, integral
 from orbident.estimation.output_error.disturbance_sizes import most_likely_densities
+from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
@@ -189,6 +192,26 @@ def test_where_nothing_walks_the_density_is_small(space):
     assert result.status == "ok"
     assert result.disturbances["torque_walk"].value < 0.1 * space.walk.torque
     assert np.abs(still.off(result)).max() < FAR
+
+
+def test_a_walk_too_weak_to_show_is_left_out(space, monkeypatch):
+    """Its 75 waves change no number; that it is declared is in the result."""
+    weak = space._replace(walk=MomentumWalk(torque=1e-9))
+    known = momentum_problem(
+        weak.declared(), weak.recorded(4), "unknown", lambda _: None
+    )
+    shorter = OutputError().estimate(known, lambda _: None)
+    monkeypatch.setattr(problem, "NEGLIGIBLE", -1.0)
+    whole = OutputError().estimate(known, lambda _: None)
+    assert shorter.solution
+    assert whole.solution
+    more = whole.solution.state.selected.size - shorter.solution.state.selected.size
+    assert more == 3 * (WAVES + 1)
+    one, other = shorter.parameters.base, whole.parameters.base
+    std = np.sqrt(np.diag(other.covariance))
+    assert np.abs((one.values - other.values) / std).max() < 1e-2
+    np.testing.assert_allclose(np.sqrt(np.diag(one.covariance)), std, rtol=1e-2)
+    assert shorter.disturbances["torque_walk"].value == 1e-9
 
 
 @pytest.mark.long
