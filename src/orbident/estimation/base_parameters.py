@@ -191,7 +191,7 @@ def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
     R = block_diag(fits.pi.factor / std[0], fits.phi.factor / std[1])
     z = np.concatenate([fits.pi.target / std[0], fits.phi.target / std[1]])
     nominal, wide = sets.beta(robot.theta), prior_std(robot, sets)
-    return nonlinear_fit(sets, nominal, wide, np.asarray(R), z)
+    return nonlinear_fit(sets, nominal, wide, np.asarray(R), z, nominal)
 
 
 def nonlinear_fit(
@@ -200,8 +200,9 @@ def nonlinear_fit(
     wide: Float[np.ndarray, " beta"],
     R: Float[np.ndarray, "y y"],
     z: Float[np.ndarray, " y"],
+    start: Float[np.ndarray, " beta"],
 ) -> BetaEstimate:
-    """`beta` of `R y(beta) = z`; what this does not tell stays nominal.
+    """`beta` of `R y(beta) = z` near a start; what this does not tell stays nominal.
 
     Raises:
         InputError: the equations overflow.
@@ -219,7 +220,7 @@ def nonlinear_fit(
 
     found = least_squares(
         residual,
-        np.zeros(nominal.size),
+        (start - nominal) / wide,
         slopes,  # pyright: ignore[reportArgumentType]: its stubs know names only
         method="lm",
         xtol=PRECISION,

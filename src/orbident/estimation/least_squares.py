@@ -99,7 +99,7 @@ class Structured:
                 kalman, before, problem.h_cm, pieces(), problem.samples.source
             )
             R, z = state.R_z[:, :-1], state.R_z[:, -1]
-            found = nonlinear_fit(sets, nominal, wide, R, z)
+            found = nonlinear_fit(sets, nominal, wide, R, z, before.beta)
             std = np.sqrt(np.diag(found.covariance))
             size = float(np.max(np.abs(found.values - before.beta) / std))
             y = np.concatenate(sets.pi_and_phi(found.values))
