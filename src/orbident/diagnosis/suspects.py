@@ -117,8 +117,8 @@ def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n
     )
     equations = problem_of(robot, changed.sets, changed.samples, sensors)
     # The places of calibrations are others where there are other wheels.
-    free = [*equations.declared, *equations.expected]
-    places = np.array([each.place for each in free])
+    every = (*equations.declared, *equations.acting.expected)
+    places = np.array([each.place for each in every if each.name in solution.names])
     same = equations.boundaries.size == len(solution.state.x_WB)
     same &= all(len(each) == equations.t.size for each in solution.weights.values())
     if not same or places.size != solution.state.selected.size:

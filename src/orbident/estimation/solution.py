@@ -274,6 +274,8 @@ class Solution(NamedTuple):
     """The sum of the squares of all whitened residuals and priors."""
     convergence: Convergence = ()
     """How the search got there."""
+    names: tuple[str, ...] = ()
+    """Of what is selected."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:

@@ -91,7 +91,8 @@ class Search:
                 tried is right, more are not needed.
         """
         more = (*self.problem.unknowns(names), *self.problem.expected)
-        starts = trial or self.starts
+        # Where what is tried is right, the better start is near.
+        starts = trial or (self.starts[:1] if self.hasty else self.starts)
         steps = min(self.steps, FEW_STEPS) if trial else self.steps
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
@@ -137,7 +138,7 @@ class Search:
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
         """Go on from a first solution, with the noise that the residuals show."""
-        return fitted(
+        found = fitted(
             self.problem,
             first,
             self.least,
@@ -146,6 +147,9 @@ class Search:
             self.steps,
             self.hasty,
         )
+        every = (*self.problem.declared, *self.problem.expected)
+        names = tuple(each.name for each in every)
+        return found._replace(solution=found.solution._replace(names=names))
 
 
 class WorldFit(NamedTuple):
