@@ -8,6 +8,7 @@ import numpy as np
 
 from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
+from orbident.diagnosis.filters import filters
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.instruments import freed, kinds
 from orbident.diagnosis.late_clocks import (
@@ -21,7 +22,13 @@ from orbident.diagnosis.linear_test import (
     CorrectedConvention,
     tried_conventions,
 )
-from orbident.diagnosis.noisier_sensors import noisier_sensors, spikes, wandering
+from orbident.diagnosis.noisier_sensors import (
+    lasting,
+    noisier_sensors,
+    spikes,
+    wandering,
+    with_lasting,
+)
 from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score_of
@@ -160,11 +167,13 @@ def _by_trials(
     ended = process_time() > end
     happened = None if shrunk else event(problem)
     more = f"; {SEARCH_ON}" if ended else ""
+    likeliest = best.cause if best is not None and falls > EXPLAINS else ""
     if happened is not None:
-        yield _found(happened.reason, happened.remedy)
-    elif best is not None and falls > EXPLAINS:
+        most = "; of all that was tried most is explained if " if likeliest else ""
+        yield _found(f"{happened.reason}{most}{likeliest}", happened.remedy)
+    elif likeliest:
         yield _found(
-            f"perhaps {best.cause}: with that put right chi-square falls by "
+            f"perhaps {likeliest}: with that put right chi-square falls by "
             f"{falls:.2g}, more than by any other cause that was tried, though the "
             "recording is still refused",
             "see whether more than one thing is wrong: with tolerances in the robot "
@@ -263,36 +272,43 @@ def _written(
 
 def _likeliest(solved: Solved) -> Iterator[Trial]:
     """Suspects and kinds of instruments' errors with the best scores, tried."""
-    problem, shown = solved.problem, solved.shown
+    worth = sorted(_scored(solved.problem, solved.shown), key=lambda x: -x[0].falls)
+    for k, (own, put) in enumerate(worth[:LIKELIEST]):
+        others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
+        for one in put() if own.falls > WORTH else ():
+            yield one._replace(rival=max(*others, one.rival, NONE))
+
+
+def _scored(
+    problem: MomentumProblem, shown: Estimate | None
+) -> Iterator[tuple[Rival, Callable[[], Iterable[Trial]]]]:
+    """What each of them would explain to first order, and how it is tried."""
     if shown is None or shown.solution is None or shown.sensitivity is None:
         return
     price = np.log(problem.samples.t.size)
-    worth: list[tuple[Rival, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
     for kind in kinds(problem.robot, problem.samples.wrenches):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size
-            rival = Rival(gain, f"{kind} is off")
-            worth.append((rival, partial(freed, problem, kind)))
+            yield Rival(gain, f"{kind} is off"), partial(freed, problem, kind)
     for suspect in (
         *beside(problem),
         *steps(problem, shown),
         *drifts(problem),
         *joint_errors(problem),
         *fast_clocks(problem),
+        *filters(problem),
     ):
         first = score_of(problem, shown.solution, suspect)
         gain = first.fall - price * first.values.size
         if first.values.size:
-            rival = Rival(gain, suspect.words(first.values))
             put = partial(put_right, problem, suspect, first, misfit(shown))
-            worth.append((rival, put))
-    worth.sort(key=lambda one: -one[0].falls)
-    for k, (own, put) in enumerate(worth[:LIKELIEST]):
-        others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
-        if own.falls > WORTH:
-            yield from (one._replace(rival=max(others, default=NONE)) for one in put())
+            yield Rival(gain, suspect.words(first.values)), put
+    errors = lasting(problem, shown)
+    if errors is not None:
+        rival = Rival(errors.gain - errors.price, errors.words)
+        yield rival, partial(with_lasting, problem, errors)
 
 
 def _as_noise(estimate: Estimate | None) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.diagnosis.filters import slopes
 from orbident.diagnosis.linear_test import FALLS, ROWS
 from orbident.diagnosis.shifts import of_vector
 from orbident.diagnosis.suspects import Numbers, Suspect, tried
@@ -42,7 +43,10 @@ def beside(problem: MomentumProblem) -> Iterator[Suspect]:
     yield from _spin_down(problem)
     if problem.robot.motion != "planar":
         yield from _wheel_axes(problem)
+        if problem.recording.has_vector("gyro"):
+            yield _skewed_gyro()
     yield _torque(problem, axes)
+    yield _on_a_spring(problem, axes)
 
 
 def missing_wheel(problem: MomentumProblem) -> Iterator[Trial]:
@@ -138,6 +142,53 @@ def _wheel_axes(problem: MomentumProblem) -> Iterator[Suspect]:
             return Rotation.from_rotvec(c @ across).apply(h) - h
 
         yield _with_momentum(words, np.full(2, SMALL), turned)
+
+
+def _skewed_gyro() -> Suspect:
+    """Axes of a gyro that are not at right angles: any small matrix but its scales."""
+    off = ~np.eye(3, dtype=bool)
+
+    def words(c: Numbers) -> str:
+        return (
+            "axes of the gyro are not at right angles (skewed), by up to "
+            f"{1e3 * np.abs(c).max():.2g} mrad"
+        )
+
+    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
+        M = np.eye(3)
+        M[off] += c
+        right = problem.recording.vector("gyro") @ M.T
+        columns = of_vector("gyro", right)
+        return replace(problem, recording=problem.recording.with_columns(columns))
+
+    return Suspect(words, np.full(6, SMALL), corrected)
+
+
+def _on_a_spring(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:
+    """What swings faster than the motion: its momentum follows as `I w + K d2w/dt2`.
+
+    Of an inertia `I` at the frequency `f`, `K = I / (2 pi f)^2`.
+    """
+    t, w = problem.samples.t, np.column_stack(problem.samples.w)
+    seen = np.isfinite(w).all(axis=1)
+    bent = np.zeros_like(w)
+    bent[seen] = slopes(t[seen], w[seen])[1]
+    pairs = np.triu_indices(len(axes))
+
+    def words(c: Numbers) -> str:
+        f = 1 / (2 * np.pi * np.sqrt(np.abs(c).max()))
+        return (
+            "something on a spring swings in the robot, which its file lacks (a panel, "
+            f"a boom, fuel): as 1 kg m^2 would at {f:.2g} Hz"
+        )
+
+    def missing(c: Numbers) -> Momentum:
+        half = np.zeros((len(axes), len(axes)))
+        half[pairs] = c
+        K = axes.T @ (half + half.T) @ axes / 2
+        return bent @ K
+
+    return _with_momentum(words, np.full(len(pairs[0]), SMALL), missing)
 
 
 def _torque(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:

@@ -8,6 +8,7 @@ of a joint that moves is far beyond noise all the same.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -15,7 +16,8 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
-from orbident.diagnosis.trial import Rival, Trial, amended_trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
+from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.gaussian import OF_MEDIAN, noisiest_std
 from orbident.robot.sensor_schema import InertialSpec, Sampled
@@ -29,6 +31,9 @@ UNMODELLED = Rival(np.inf, "something slow acts or moves in the robot")
 
 WANDERS = 100.0
 """Times the declared walk of a bias: what it needs is found by the fit."""
+
+WHITE = 0.1
+"""Correlation of neighbouring residuals below which nothing lasts."""
 
 
 def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
@@ -70,6 +75,72 @@ def wandering(problem: MomentumProblem) -> Iterator[Trial]:
     found = _trial(words, problem, {"gyro": gyro.model_copy(update=walk)})
     if found.accepted:
         yield found._replace(rival=UNMODELLED)
+
+
+class Lasting(NamedTuple):
+    """Errors of a tracker that last, as its residuals do."""
+
+    sensor: str
+    size: float
+    """rad or m."""
+    time: float
+    """s: after it `1 / e` of their covariance is left."""
+    gain: float
+    """What the likelihood gains by it, twice its logarithm, about."""
+    price: float
+    """Of as many numbers as there are such times in the recording (Schwarz 1978)."""
+
+    @property
+    def words(self) -> str:
+        """What it is, a clause."""
+        return (
+            f"the {self.sensor} has lasting errors of {self.size:.2g} (SI), each over "
+            f"some {self.time:.2g} s"
+        )
+
+
+def lasting(problem: MomentumProblem, shown: Estimate) -> Lasting | None:
+    """The tracker whose residuals are most like errors that last, if any is.
+
+    Args:
+        problem: of a recording.
+        shown: how it is fitted.
+    """
+    sensors, found = problem.robot.sensors, list[Lasting]()
+    trackers = {"attitude": sensors.attitude, "position": sensors.position}
+    for signal in shown.signals:
+        tracker = trackers.get(signal.name)
+        if tracker is None or tracker.markov_std or signal.t.size < AROUND:
+            continue
+        r = signal.measured - signal.predicted
+        lags = range(1, signal.t.size // 4)
+        covariance = np.array([np.mean(r[k:] * r[:-k]) for k in lags])
+        alike = covariance[0] / np.mean(r**2)
+        if alike < WHITE:
+            continue
+        row = float(np.median(np.diff(signal.t)))
+        time = row * float(1 + np.argmax(covariance < covariance[0] / np.e))
+        numbers = r.shape[1] * float(np.ptp(signal.t)) / time
+        price = numbers * float(np.log(problem.samples.t.size))
+        size, gain = (
+            float(np.sqrt(covariance[0])),
+            -r.size * float(np.log1p(-(alike**2))),
+        )
+        found.append(Lasting(signal.name, size, time, gain, price))
+    return max(found, key=lambda each: each.gain - each.price, default=None)
+
+
+def with_lasting(problem: MomentumProblem, errors: Lasting) -> Iterator[Trial]:
+    """Identify again with a tracker whose errors last."""
+    tracker = problem.robot.sensors.of(errors.sensor)
+    more = {
+        "markov_std": 3 * (errors.size,),
+        "correlation_time": 3 * (errors.time,),
+    }
+    amended = {errors.sensor: tracker.model_copy(update=more)}
+    found = _trial(errors.words, problem, amended)
+    rival = UNMODELLED if found.accepted else NONE
+    yield found._replace(misfit=found.misfit + errors.price, rival=rival)
 
 
 def _trial(
