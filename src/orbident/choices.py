@@ -37,5 +37,6 @@ class DisturbanceGroup(StrEnum):
     air = "air"
     sunlight = "sunlight"
     dipole = "dipole"
+    on_springs = "on_springs"
     torque_walk = "torque_walk"
     force_walk = "force_walk"

@@ -34,12 +34,14 @@ from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score_of
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
+from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
+from orbident.files.names import joined
 from orbident.recordings.column_checks import float32_step
 from orbident.threads import one_blas_thread
 
@@ -192,6 +194,17 @@ def _by_trials(
 def _explained(best: Trial, before: float) -> Check:
     """A trial that is accepted: the cause, if no other one may explain as much."""
     falls = before - best.misfit
+    acting = [AGENTS[x] for x in best.estimate.unexpected] if best.estimate else []
+    if acting:
+        # Either may stand for what the other one is.
+        acts = joined([each.words for each in acting])
+        return _found(
+            f"perhaps {acts}, and {best.cause}: with both the recording is accepted "
+            f"(chi-square falls by {falls:.2g})",
+            "; ".join(filter(None, (each.remedy for each in acting)))
+            or "see whether it acts",
+            falls,
+        )
     words = (
         f"{best.cause}: with that put right the recording is accepted "
         f"(chi-square falls by {falls:.2g})"

@@ -86,14 +86,18 @@ def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:
 
 
 def slopes(t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n axes"]) -> Slopes:
-    """By a polynomial through the samples around each; zero where there is none."""
+    """By a polynomial through the samples around each; zero where there is none.
+
+    Its own is left out, or its noise would seem to be explained by itself.
+    """
     first, second = np.zeros_like(x), np.zeros_like(x)
     seen = np.flatnonzero(np.isfinite(x).all(axis=1))
     if seen.size <= 2 * HALF:
         return first, second
     dt = float(np.median(np.diff(t[seen])))
-    k = np.arange(-HALF, HALF + 1) / HALF
+    k = np.delete(np.arange(-HALF, HALF + 1), HALF) / HALF
     by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
+    by = np.insert(by, HALF, 0.0, axis=1)
     around = ((HALF, HALF), (0, 0))
     padded = np.pad(x[seen], around, mode="reflect", reflect_type="odd")
     for out, weights in (

@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.diagnosis.filters import slopes
 from orbident.diagnosis.linear_test import FALLS, ROWS
 from orbident.diagnosis.shifts import of_vector
 from orbident.diagnosis.suspects import Numbers, Suspect, tried
@@ -46,7 +45,6 @@ def beside(problem: MomentumProblem) -> Iterator[Suspect]:
         if problem.recording.has_vector("gyro"):
             yield _skewed_gyro()
     yield _torque(problem, axes)
-    yield _on_a_spring(problem, axes)
 
 
 def missing_wheel(problem: MomentumProblem) -> Iterator[Trial]:
@@ -162,33 +160,6 @@ def _skewed_gyro() -> Suspect:
         return replace(problem, recording=problem.recording.with_columns(columns))
 
     return Suspect(words, np.full(6, SMALL), corrected)
-
-
-def _on_a_spring(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:
-    """What swings faster than the motion: its momentum follows as `I w + K d2w/dt2`.
-
-    Of an inertia `I` at the frequency `f`, `K = I / (2 pi f)^2`.
-    """
-    t, w = problem.samples.t, np.column_stack(problem.samples.w)
-    seen = np.isfinite(w).all(axis=1)
-    bent = np.zeros_like(w)
-    bent[seen] = slopes(t[seen], w[seen])[1]
-    pairs = np.triu_indices(len(axes))
-
-    def words(c: Numbers) -> str:
-        f = 1 / (2 * np.pi * np.sqrt(np.abs(c).max()))
-        return (
-            "something on a spring swings in the robot, which its file lacks (a panel, "
-            f"a boom, fuel): as 1 kg m^2 would at {f:.2g} Hz"
-        )
-
-    def missing(c: Numbers) -> Momentum:
-        half = np.zeros((len(axes), len(axes)))
-        half[pairs] = c
-        K = axes.T @ (half + half.T) @ axes / 2
-        return bent @ K
-
-    return _with_momentum(words, np.full(len(pairs[0]), SMALL), missing)
 
 
 def _torque(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:

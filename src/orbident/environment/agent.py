@@ -77,6 +77,8 @@ class Agent:
     """What acts; empty for what is not tested for."""
     needs: ClassVar[str] = ""
     """Without which nothing shows of it, in words."""
+    remedy: ClassVar[str] = ""
+    """What to look at before it is believed."""
     unit: ClassVar[str] = "N m"
     """SI: of its numbers."""
     mean: ClassVar[str] = ""

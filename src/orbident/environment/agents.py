@@ -6,6 +6,7 @@ from orbident.environment import air_table, orbital
 from orbident.environment import torques_and_forces as steady
 from orbident.environment.agent import Agent, Disturbance, World
 from orbident.environment.motion import Load, RobotMotion
+from orbident.environment.on_springs import OnSprings
 from orbident.robot.may_act import MayAct
 
 AGENTS: dict[str, Agent] = {
@@ -16,6 +17,7 @@ AGENTS: dict[str, Agent] = {
         steady.BaseTorque(),
         steady.VaryingBaseTorque(),
         steady.WheelLoss(),
+        OnSprings(),
         steady.ForceAtS(),
         steady.Push(),
         air_table.LevelPull(),

@@ -129,6 +129,7 @@ class WheelLoss(Agent):
 
     group = "wheel_loss"
     words = "wheels lose momentum that their recorded speeds do not show"
+    remedy = "see that wheel speeds were measured and not commanded only"
     alike = ("slow_torque", "slow_base_torque")
     needs = "a wheel, and a robot whose motion is spatial"
     slow = True

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from orbident.environment.agents import IN_WORDS, PUSH, SLOW
+from orbident.environment.agents import AGENTS, IN_WORDS, PUSH, SLOW
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.levels import ChiSquare
@@ -45,8 +45,6 @@ SURELY_APART = 30.0
 square `s`: its own deviation is `std(s) / 2 sqrt(s)`, and first order holds from 15 of
 those of `s`. Two equal panels were found to be apart by eight; those at 1 and 0.8 Hz,
 apart by 22, had frequencies 1.5 % off."""
-
-LOST = "see that wheel speeds were measured and not commanded only"
 
 
 class Judgement(NamedTuple):
@@ -309,7 +307,8 @@ def _remedy(group: str) -> str:
     if group == PUSH:
         return ""
     said = f"if it acts, say so in the robot file (disturbances: [{group}])"
-    return f"{LOST}; {said}" if group == "wheel_loss" else said
+    first = AGENTS[group].remedy
+    return f"{first}; {said}" if first else said
 
 
 def unsettled_weights(estimate: Estimate) -> list[Check]:

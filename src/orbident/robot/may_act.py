@@ -21,7 +21,8 @@ DIMENSIONS = {
     DisturbanceGroup.sunlight: "force",
     DisturbanceGroup.dipole: "magnetic moment",
 }
-"""The dimension of each size; a walk has its density under `momentum_walk`."""
+"""The dimension of each size; a walk has its density under `momentum_walk`, and what
+is on springs is better declared as passive joints."""
 
 FREE = "free"
 """In place of a size: it may be as large as it wants to."""
@@ -82,5 +83,7 @@ def _read(size: object, dimension: str | None) -> float:
     if size in (FREE, math.inf):
         return math.inf
     if dimension is None:
-        raise WrongValueError(f"give '{FREE}', or its density under momentum_walk")
+        raise WrongValueError(
+            f"give '{FREE}', or say how large it is under momentum_walk or passive"
+        )
     return at_least_zero(size, dimension)
