@@ -11,8 +11,8 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 308,
-    "lines": 58_849,
+    "files": 309,
+    "lines": 59_200,
     "files of estimation": 49,
     "lines of estimation": 11_010,
     "files with one user": 66,

@@ -4,6 +4,7 @@ Its file is no part of this project (`examples/air-bearing-satellite/identify.py
 where it is from). With the place of it,
 
     export ORBIDENT_REAL_FLIGHT=real_test_data.csv
+    export ORBIDENT_REAL_BENCH=load-cell    # a folder: thruster-1.csv to thruster-8.csv
     pytest tests/oracles/test_air_bearing_satellite.py
 """
 
@@ -17,11 +18,14 @@ from examples import EXAMPLES, identifying
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
+from orbident.noise.thrust_bench import thrust_on_bench
 from orbident.robot.robot_file import load_robot
 
 FLIGHT = Path(os.environ.get("ORBIDENT_REAL_FLIGHT", "real_test_data.csv"))
 
-pytestmark = pytest.mark.skipif(
+BENCH = Path(os.environ.get("ORBIDENT_REAL_BENCH", "load-cell"))
+
+flown = pytest.mark.skipif(
     not FLIGHT.is_file(), reason="ORBIDENT_REAL_FLIGHT does not name the flight's file"
 )
 
@@ -49,6 +53,7 @@ def by_bench(example, robot) -> Result:
     return identify(robot, example.recording(FLIGHT))
 
 
+@flown
 def test_the_dead_valve_is_named(by_bench):
     assert by_bench.status == "ok", by_bench.warnings
     named = [c.name for c in by_bench.checks if "gives no thrust" in c.reason]
@@ -57,11 +62,13 @@ def test_the_dead_valve_is_named(by_bench):
     assert not others
 
 
+@flown
 def test_the_mass_is_within_its_interval(by_bench):
     M = by_bench.mass
     assert abs(M.value - WEIGHED) < 1.96 * M.std < 0.45 * WEIGHED
 
 
+@flown
 def test_commands_are_late(by_bench):
     """As by whitened regression: 0.08 to 0.09 s, and 0.03 to 0.04 s more to close."""
     clock, pulse = (by_bench.calibration[f"thrusters.{x}"] for x in ("clock", "pulse"))
@@ -70,6 +77,7 @@ def test_commands_are_late(by_bench):
     assert 0.025 < pulse.value < 0.045
 
 
+@flown
 def test_with_the_mass_of_scales_thrust_and_inertia_are_known(example, robot):
     result = identify(replace(robot, known=example.SCALES), example.recording(FLIGHT))
     assert result.status == "ok", result.warnings
@@ -83,6 +91,7 @@ def test_with_the_mass_of_scales_thrust_and_inertia_are_known(example, robot):
     assert all(0 < each.std < 0.12 for each in gains)
 
 
+@flown
 def test_both_halves_have_the_same_parameters(example, robot):
     """Mass, CM, inertia and every valve; latency was another one."""
     one, other = (
@@ -98,6 +107,17 @@ def test_both_halves_have_the_same_parameters(example, robot):
             assert abs(fit.value - again.value) < 3.5 * np.hypot(fit.std, again.std)
 
 
+@flown
 def test_at_once_it_is_refused(example, robot):
     result = identify(example.without_latency(robot), example.recording(FLIGHT))
     assert result.status == "rejected"
+
+
+@pytest.mark.skipif(
+    not BENCH.is_dir(), reason="ORBIDENT_REAL_BENCH does not name the bench's folder"
+)
+def test_the_bench_gives_the_thrust_of_its_medians():
+    medians = [0.4415, 0.4307, 0.4277, 0.4380, 0.4689, 0.4468, 0.4670, 0.4841]
+    found = [thrust_on_bench(BENCH / f"thruster-{k}.csv") for k in range(1, 9)]
+    assert [each.thrust for each in found] == pytest.approx(medians, rel=0.01)
+    assert all(each.pulses == 15 and each.scatter < 0.011 for each in found)
