@@ -11,8 +11,8 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 310,
-    "lines": 59_700,
+    "files": 311,
+    "lines": 59_900,
     "files of estimation": 49,
     "lines of estimation": 11_060,
     "files with one user": 66,
