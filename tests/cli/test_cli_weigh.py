@@ -41,6 +41,7 @@ def test_mass_in_words_and_as_json(
         "samples",
         "impulse",
         "residual_rms",
+        "thrust",
     }
     # As in the unit test: the base does not turn quite evenly in a step.
     assert weighing["mass"]["value"] == pytest.approx(12.3, rel=1e-7)

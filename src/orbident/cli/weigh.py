@@ -86,7 +86,14 @@ def _lines(robot: str, weighing: Any) -> list[str]:
         else f"mass {mass.value:.6g} +- {mass.std:.2g} kg"
     )
     impulse = sum(component**2 for component in weighing.impulse) ** 0.5
-    return [
+    lines = [
         f"{robot}: {weighing.status}, {weighing.samples} samples of {weighing.signal}",
         f"{found}, from an impulse of {impulse:.4g} N s",
     ]
+    thrust = weighing.thrust
+    if thrust.value == thrust.value:
+        lines.append(
+            f"by the mass of 'known', thrust is {thrust.value:.4g} +- {thrust.std:.2g} "
+            "of what was recorded"
+        )
+    return lines
