@@ -71,7 +71,7 @@ class ShownPulses(NamedTuple):
     """Cosines; NaN of a column that shows too little."""
 
 
-class _Changes(NamedTuple):
+class _MomentumChanges(NamedTuple):
     """Changes of momentum over blocks, in the axes that are free, and their times."""
 
     t: Float[np.ndarray, " rows"]
@@ -243,7 +243,7 @@ def _declared(
     return np.concatenate([wrench.force[at][list(v)], torque[list(h)]])
 
 
-def _changes(problem: MomentumProblem) -> _Changes | None:
+def _changes(problem: MomentumProblem) -> _MomentumChanges | None:
     """The momentum of the nominal bodies, from block to block."""
     robot = problem.robot
     t, seen = problem.samples.complete()
@@ -258,11 +258,11 @@ def _changes(problem: MomentumProblem) -> _Changes | None:
     p, h = robot.mass * (seen.v_S + rotate(R_WB, v_B)), rotate(R_WB, h_B)
     turning, moving = (list(axes) for axes in conserved_axes(robot))
     p, h = (np.diff(x[edges], axis=0) for x in (p[:, moving], h[:, turning]))
-    return _Changes(t, R_WB, edges.tolist(), p, h)
+    return _MomentumChanges(t, R_WB, edges.tolist(), p, h)
 
 
 def _fitted(
-    changes: _Changes,
+    changes: _MomentumChanges,
     rows: Float[np.ndarray, " samples"],
     levels: Float[np.ndarray, "columns samples"],
     late: float,
