@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from urdf_pieces import ARM, robot_file
+from valved_satellite import satellite
 
 from orbident.cli import excite_tables
 from orbident.robot.robot_file import load_robot
@@ -260,3 +261,29 @@ def test_without_a_wheel_the_reason_is_named(orbident):
     ran = orbident("excite", path, "--duration", 10, "--starts", 1, "-o", "m.yaml")
     assert ran.status == 1
     assert "because the robot has no wheel" in ran.err
+
+
+def test_pulses_of_a_robot_without_joints(orbident, tmp_path):
+    """Designed, predicted, sampled, flown and identified from the command line."""
+    sensors = "sensors:\n  position: {std: 0.3 mm}\n  attitude: {angle: 0.5 mrad}\n"
+    satellite(tmp_path, more=sensors)
+    asked = "--duration", 10, "--starts", 2, "--limit", "base_rate=0.5"
+    ran = orbident("excite", "satellite.yaml", *asked, "-o", "pulses.yaml").done()
+    assert "best of 2 random sequences" in ran.out
+    assert "nothing else acting, without feedback" in ran.out
+    inspected = orbident("inspect", "satellite.yaml", "--trajectory", "pulses.yaml")
+    assert "thrusters.scale" in inspected.done().out
+    orbident("sample", "pulses.yaml", "--rate", 20, "-o", "commands.csv").done()
+    head, *rows = Path("commands.csv").read_text().splitlines()
+    assert head.startswith("t,thruster.t")
+    assert {cell for row in rows for cell in row.split(",")[1:]} == {"0", "1"}
+    orbident(
+        *("sample", "pulses.yaml", "--rate", 20, "-o", "joints.yaml"),
+        *("--format", "joint-trajectory"),
+    ).refused("has no pulses of thrusters")
+    orbident("excite", "satellite.yaml", "--compare", "pulses.yaml").refused(
+        "scores motions of joints"
+    )
+    flown = "simulate", "satellite.yaml", "pulses.yaml", "--noise", "sensors"
+    orbident(*flown, "-o", "flight.csv").done()
+    orbident("identify", "satellite.yaml", "flight.csv").done()

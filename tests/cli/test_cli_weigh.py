@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from burns import Body, burn, changed, without
 from random_motions import random_motion
 from running import Orbident, written
@@ -40,6 +41,7 @@ def test_mass_in_words_and_as_json(
         "samples",
         "impulse",
         "residual_rms",
+        "thrust",
     }
     # As in the unit test: the base does not turn quite evenly in a step.
     assert weighing["mass"]["value"] == pytest.approx(12.3, rel=1e-7)
@@ -123,3 +125,16 @@ def test_a_burn_that_cannot_be_weighed(orbident: Orbident, table_burn: Recording
     orbident("identify", "cepheus-like", flight, "--burn", without_force).refused(
         "burn.csv", "force.x"
     )
+
+
+def test_thrusters_on_a_bench(orbident: Orbident):
+    """Of pulses with 0.5 N and no noise; a section that is a list in YAML."""
+    rows = [f"{k / 50},{0.5 * (k // 100 % 2)},{k // 100 % 2}" for k in range(1001)]
+    Path("jet.csv").write_text("\n".join(["t,force_N,command", *rows]))
+    ran = orbident("weigh", "--bench", "jet.csv", "jet.csv").done()
+    section = yaml.safe_load(ran.out[ran.out.index("thrusters:") :])["thrusters"]
+    assert [each["thrust"] for each in section] == [0.5, 0.5]
+    bench = orbident("weigh", "--bench", "jet.csv", "--json", "-").done().json["bench"]
+    assert bench["jet"]["pulses"] == 4
+    orbident("weigh", "--bench", "no.csv").refused("no.csv: does not exist")
+    orbident("weigh", "jet.csv").refused("found 1 of ROBOT and REC")

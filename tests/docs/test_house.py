@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 308,
-    "lines": 58_849,
+    "files": 312,
+    "lines": 60_330,
     "files of estimation": 49,
-    "lines of estimation": 11_010,
+    "lines of estimation": 11_150,
     "files with one user": 66,
     "imports below each other": 31,
     "numbers without a reason": 38,

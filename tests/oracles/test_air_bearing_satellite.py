@@ -4,6 +4,7 @@ Its file is no part of this project (`examples/air-bearing-satellite/identify.py
 where it is from). With the place of it,
 
     export ORBIDENT_REAL_FLIGHT=real_test_data.csv
+    export ORBIDENT_REAL_BENCH=load-cell    # a folder: thruster-1.csv to thruster-8.csv
     pytest tests/oracles/test_air_bearing_satellite.py
 """
 
@@ -17,11 +18,16 @@ from examples import EXAMPLES, identifying
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
+from orbident.identified.validate import validate
+from orbident.noise.thrust_bench import thrust_on_bench
+from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.robot_file import load_robot
 
 FLIGHT = Path(os.environ.get("ORBIDENT_REAL_FLIGHT", "real_test_data.csv"))
 
-pytestmark = pytest.mark.skipif(
+BENCH = Path(os.environ.get("ORBIDENT_REAL_BENCH", "load-cell"))
+
+flown = pytest.mark.skipif(
     not FLIGHT.is_file(), reason="ORBIDENT_REAL_FLIGHT does not name the flight's file"
 )
 
@@ -49,6 +55,7 @@ def by_bench(example, robot) -> Result:
     return identify(robot, example.recording(FLIGHT))
 
 
+@flown
 def test_the_dead_valve_is_named(by_bench):
     assert by_bench.status == "ok", by_bench.warnings
     named = [c.name for c in by_bench.checks if "gives no thrust" in c.reason]
@@ -57,11 +64,13 @@ def test_the_dead_valve_is_named(by_bench):
     assert not others
 
 
+@flown
 def test_the_mass_is_within_its_interval(by_bench):
     M = by_bench.mass
     assert abs(M.value - WEIGHED) < 1.96 * M.std < 0.45 * WEIGHED
 
 
+@flown
 def test_commands_are_late(by_bench):
     """As by whitened regression: 0.08 to 0.09 s, and 0.03 to 0.04 s more to close."""
     clock, pulse = (by_bench.calibration[f"thrusters.{x}"] for x in ("clock", "pulse"))
@@ -70,6 +79,7 @@ def test_commands_are_late(by_bench):
     assert 0.025 < pulse.value < 0.045
 
 
+@flown
 def test_with_the_mass_of_scales_thrust_and_inertia_are_known(example, robot):
     result = identify(replace(robot, known=example.SCALES), example.recording(FLIGHT))
     assert result.status == "ok", result.warnings
@@ -83,6 +93,7 @@ def test_with_the_mass_of_scales_thrust_and_inertia_are_known(example, robot):
     assert all(0 < each.std < 0.12 for each in gains)
 
 
+@flown
 def test_both_halves_have_the_same_parameters(example, robot):
     """Mass, CM, inertia and every valve; latency was another one."""
     one, other = (
@@ -98,6 +109,34 @@ def test_both_halves_have_the_same_parameters(example, robot):
             assert abs(fit.value - again.value) < 3.5 * np.hypot(fit.std, again.std)
 
 
+@flown
+def test_one_half_predicts_the_other(example, robot):
+    """Better than the bench's thrust with the mass of scales and their CM.
+
+    What pushes the floor's robot at random is left: over 5 s, a turn of 0.05 rad.
+    """
+    weighed = replace(robot, known=example.SCALES)
+    result = identify(weighed, example.recording(FLIGHT, 0.0, 65.0))
+    # 0.324 kg m^2 is what the laboratory takes.
+    theta = from_mass_com_inertia(WEIGHED, np.append(COM, 0.0), np.eye(3) * 0.324)
+    bench = replace(result, robot=replace(weighed, theta=theta[None]))
+    found = validate(bench, example.recording(FLIGHT, 65.0, 130.0))
+    assert found.verdict == "explained"
+    assert found.pose["position"] < 0.022 < 0.45 * found.pose_by_nominal["position"]
+    assert found.pose["attitude"] < 0.125 < 0.8 * found.pose_by_nominal["attitude"]
+
+
+@flown
 def test_at_once_it_is_refused(example, robot):
     result = identify(example.without_latency(robot), example.recording(FLIGHT))
     assert result.status == "rejected"
+
+
+@pytest.mark.skipif(
+    not BENCH.is_dir(), reason="ORBIDENT_REAL_BENCH does not name the bench's folder"
+)
+def test_the_bench_gives_the_thrust_of_its_medians():
+    medians = [0.4415, 0.4307, 0.4277, 0.4380, 0.4689, 0.4468, 0.4670, 0.4841]
+    found = [thrust_on_bench(BENCH / f"thruster-{k}.csv") for k in range(1, 9)]
+    assert [each.thrust for each in found] == pytest.approx(medians, rel=0.01)
+    assert all(each.pulses == 15 and each.scatter < 0.011 for each in found)

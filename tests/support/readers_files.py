@@ -201,6 +201,13 @@ def valves() -> None:
     truth = satellite.with_dead(satellite.Truth(clock=0.1, pulse=0.03), 2)
     seen = satellite.flown(truth, 4, valves=(0, 1, 4, 5))
     write_recording(seen, Path("flight.csv"))
+    again = satellite.flown(truth, 5, valves=(0, 1, 4, 5))
+    write_recording(again, Path("other_flight.csv"))
+    for k, force in enumerate((45.0, 43.8), start=1):
+        on = np.arange(2000) // 200 % 2
+        rows = np.column_stack([np.arange(2000) / 50, force * on, on])
+        head = "t_s,weight_g,command"
+        np.savetxt(f"thruster-{k}.csv", rows, "%g", ",", header=head, comments="")
 
 
 BEFORE: dict[str, Callable[[], None]] = {

@@ -24,7 +24,7 @@ def check(
     from orbident.robot.oddities import oddities
 
     described = oi.load_robot(robot)
-    odd = (*oddities(described), *_irregular(described))
+    odd = (*oddities(described), *_irregular(described), *_hidden(described))
     sensors = list(sensor_lines(described))
     output.say(repr(described), robot_tree(described))
     if sensors:
@@ -47,6 +47,19 @@ def _irregular(robot: Any) -> tuple[str, ...]:
     except oi.InputError as error:
         return (str(error),)
     return ()
+
+
+def _hidden(robot: Any) -> tuple[str, ...]:
+    """Masses that were measured and help nothing."""
+    if not robot.known.bodies:
+        return ()
+    sets = oi.minimal_sets(robot)
+    return tuple(
+        f"known: bodies: {name}: no free motion shows this mass alone, so that it "
+        "changes no base parameter; the mass of the whole robot would"
+        for name in robot.known.bodies
+        if sets.of_mass(robot.bodies.index(name)) is None
+    )
 
 
 def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from orbident.cli.excite_tables import (
     design_doubts,
     designed,
     excites_all,
+    pulsed,
     together,
     was_interrupted,
     written,
@@ -25,7 +26,7 @@ from orbident.errors import InputError
 from orbident.files.bounds import MOST_RECORDINGS
 
 DURATION = 60.0
-LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
+LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed", "impulse")
 
 
 Out = Annotated[
@@ -139,8 +140,9 @@ def excite(
 ) -> None:
     """Design a motion that excites every parameter.
 
-    Limits of positions and rates hold at all times, between samples too. With
-    --compare, motions that exist are scored instead.
+    Limits of positions and rates hold at all times, between samples too. A robot
+    without joints is excited by pulses of its thrusters. With --compare, motions that
+    exist are scored instead.
     """
     from orbident.files.replacing import check_free
     from orbident.trajectories.trajectory_file import numbered
@@ -167,9 +169,11 @@ def excite(
     if was_interrupted(last):
         output.warn([INTERRUPTED])
     at_rest = was_at_rest(described, given.initial, given.start)
+    shown = partial(designed, paper=paper, at_rest=at_rest)
+    shown = shown if described.joints else pulsed
     for number, (found, place) in enumerate(zip(made, places, strict=False), 1):
         output.say(*together(number, recordings))
-        output.say(*designed(found, paper, at_rest), f"written: {place}")
+        output.say(*shown(found), f"written: {place}")
     documents = list(map(partial(written, paper=paper), made, places))
     output.write_json(documents[0] if recordings == 1 else {"recordings": documents})
     if was_interrupted(last):
@@ -209,6 +213,11 @@ def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> No
         from orbident.studies.spatial import paper_case
 
         basis = paper_case(robot).conditions.basis
+    if not robot.joints:
+        raise InputError(
+            f"{robot.name}: --compare scores motions of joints, and there are none; "
+            "'orbident inspect ROBOT --trajectory TRAJ' tells what pulses promise"
+        )
     experiments = [load_experiment(path) for path in paths]
     with progress("comparing"):
         found = compare_trajectories(robot, experiments, basis)

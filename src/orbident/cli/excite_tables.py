@@ -32,6 +32,11 @@ NOT_EXCITED = (
 )
 
 
+NOT_PULSED = (
+    "the pulses do not determine all parameters; give more time or impulse, or declare "
+    "the noise of position and attitude"
+)
+
 INTERRUPTED = (
     "interrupted: the trajectory that was written is the best that was found until then"
 )
@@ -51,7 +56,8 @@ def design_doubts(found: Any) -> list[str]:
     made, sentences = found.design, []
     value, searched = made["value"], made["searched_value"]
     if not excites_all(found):
-        sentences.append(NOT_EXCITED if found.initial.wheel_speed else NO_WHEEL)
+        without = NOT_EXCITED if found.initial.wheel_speed else NO_WHEEL
+        sentences.append(without if found.joints else NOT_PULSED)
     elif abs(searched - value) > AGREEMENT * value:
         sentences.append(
             f"the search valued this motion at {searched:.4g}, but the motion that it "
@@ -124,6 +130,40 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     proof = ["", "proven for all times, with nominal inertia:", table, base]
     known = [KNOWN_AT_REST] if at_rest else []
     return [*lines, *proof, *known]
+
+
+def pulsed(found: Any) -> list[Any]:
+    """A designed sequence of thruster pulses in words."""
+    from orbident.data_table import Numeric, table_of
+
+    made, thrusters = found.design, found.environment.thrusters
+    beyond = made["beyond_limits"]
+    rows = []
+    for name, each in thrusters.items():
+        on = [pulse.off - pulse.on for pulse in each.pulses]
+        impulse = sum(
+            time * pulse.force for time, pulse in zip(on, each.pulses, strict=True)
+        )
+        cells = (Numeric(sum(on), ".4g"), Numeric(impulse, ".4g"))
+        rows.append((name, str(len(on)), *cells))
+    table = table_of("", ("thruster", "pulses", "on (s)", "impulse (N s)"), rows)
+    extremes = made["extremes"]
+    base = (
+        f"base: rate {_number(extremes['rate'])} rad/s, turn "
+        f"{_number(extremes['excursion'])} rad; S {table_words(extremes['table'])}; "
+        f"impulse {_number(extremes['impulse'])} N s"
+    )
+    return [
+        f"designed pulses of {counted(len(thrusters), 'thruster')} for "
+        f"{found.duration:g} s",
+        f"geometric mean of the deviations: {_number(made['value'])}, the best of "
+        f"{counted(made['starts'], 'random sequence')} (median "
+        f"{_number(made['median_random_start'])}; {beyond} more broke a limit)",
+        table,
+        "",
+        "with nominal inertia and thrust, nothing else acting, without feedback:",
+        base,
+    ]
 
 
 def together(number: int, recordings: int) -> list[str]:

@@ -69,8 +69,8 @@ Preset = Annotated[
     typer.Option(
         "--preset",
         metavar="NAME",
-        help="A map that comes with Orbident: astrobee, basilisk, cepheus, nasa-42, "
-        "optitrack, phasespace, px4-spacecraft, spot, xact.",
+        help="A map that comes with Orbident: astrobee, basilisk, cepheus, kentucky, "
+        "nasa-42, optitrack, phasespace, px4-spacecraft, spot, xact.",
         autocompletion=_presets,
     ),
 ]

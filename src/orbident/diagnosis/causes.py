@@ -29,6 +29,7 @@ from orbident.diagnosis.noisier_sensors import (
     wandering,
     with_lasting,
 )
+from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score_of
@@ -86,17 +87,9 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
 
 def _causes(solved: Solved, end: float) -> Iterator[Check]:
     problem, shown = solved.problem, solved.shown
-    step = float32_step(problem.recording.t)
-    if step:
-        yield _found(
-            f"the times were kept as float32, in steps of {step:.2g} s",
-            "write times as float64, or seconds from a start that is near",
-        )
-        return
-    for words in stale(problem.robot, problem.recording):
-        yield _found(
-            words, "record each sample once, when it is taken, with all its digits"
-        )
+    plain = next(_seen_by_themselves(problem), None)
+    if plain is not None:
+        yield plain
         return
     if _of_the_scale(solved):
         # That is the cause: without a scale whatever is freed may seem to explain it.
@@ -110,6 +103,8 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     wrong, *_ = conventions = tried_conventions(problem)
     # That parameters are of a likelier sign is not enough where it can be tried.
     plain = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
+    # Linear equations know nothing of thrust.
+    plain &= not problem.samples.unknown_thrust
     if wrong.falls > FALLS and plain:
         yield wrong.check()
     elif shown:
@@ -121,6 +116,27 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         if happened is not None:
             found = [_found(happened.reason, happened.remedy)]
         yield from found
+
+
+def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
+    """What samples and commands show without a fit of all sensors."""
+    step = float32_step(problem.recording.t)
+    if step:
+        yield _found(
+            f"the times were kept as float32, in steps of {step:.2g} s",
+            "write times as float64, or seconds from a start that is near",
+        )
+    for words in stale(problem.robot, problem.recording):
+        yield _found(
+            words, "record each sample once, when it is taken, with all its digits"
+        )
+    for one in pulses_put_right(problem):
+        now = "accepted" if one.accepted else "still refused, so that more is wrong"
+        words = f"{one.cause}: with that put right the recording is {now}"
+        yield _found(words, "correct the recording or the robot file")
+    slow = slow_duty(problem)
+    if slow:
+        yield _found(slow, "record a row at every switching of a thruster")
 
 
 def _of_the_scale(solved: Solved) -> bool:

@@ -91,7 +91,7 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
                 value=error.value * (abs(error.value) > CLEAR * error.std)
             )
             for name, error in found.estimate.calibration.items()
-            if name.endswith(".clock")
+            if name in free
         }
         late |= {name: late[name] + error.value for name, error in errors.items()}
         words = _in_words(

@@ -28,7 +28,7 @@ from orbident.extras import provided
 from orbident.files.names import joined
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Robot
+from orbident.robot.description import KnownQuantities, Robot
 
 WITHIN = 0.95
 """So often an interval of 95 % holds what is true."""
@@ -142,6 +142,7 @@ def solve(
 
     problem, shown = _begun(robot, recording, initial_momentum, estimator, reading)
     _check_outside(problem, estimator)
+    problem = _with_what_is_left_out(problem, estimator)
     # What needs no fit comes first.
     mistaken = [] if shown else provided("plain_mistake")(problem)
     hindered = [*mistaken, *obstacles(problem)]
@@ -159,6 +160,19 @@ def solve(
     if shown is None:
         return Solved(problem, [], estimator.estimate(problem, later), None)
     return solved_by(estimator, problem, shown, later)
+
+
+def _with_what_is_left_out(
+    problem: MomentumProblem, estimator: Estimator
+) -> MomentumProblem:
+    """A note where scales said what the estimator does not use."""
+    if problem.robot.known == KnownQuantities() or isinstance(estimator, OutputError):
+        return problem
+    words = (
+        f"known: what was weighed is left out by {estimator.name}; identify by "
+        "maximum-likelihood to use it"
+    )
+    return replace(problem, notes=(*problem.notes, words))
 
 
 def _begun(
@@ -260,4 +274,9 @@ def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
         raise InputError(
             f"{robot.name} has no wheel, and recursive cannot find the scale of its "
             "parameters by thrust alone; use another method"
+        )
+    if not robot.joints and isinstance(estimator, LeastSquares):
+        raise InputError(
+            f"{robot.name} has no joint, and {estimator.name} finds the mass by joints "
+            "that move (Eq. 32); use another method"
         )

@@ -36,6 +36,7 @@ from orbident.preprocessing.wrenches import Wrenches, recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.passive_joints import require_measured
+from orbident.robot.units import MeasuredQuantity
 
 Vectors = Float[np.ndarray, "n 3"]
 Matrices = Float[np.ndarray, "n 3 3"]
@@ -232,7 +233,8 @@ class Weighing(JsonPart):
     """The total mass by a thruster burn, and what it was found from."""
 
     mass: Quantity
-    """kg; NaN where the status is rejected."""
+    """kg, with what scales said of it (`known` in the robot file); NaN where the status
+    is rejected."""
     status: Literal["ok", "rejected"]
     """`"rejected"` if the burn does not determine the mass."""
     warnings: tuple[str, ...]
@@ -245,6 +247,8 @@ class Weighing(JsonPart):
     """Impulse of the thrusters, inertial axes, N s."""
     rms: Annotated[NullableNumber, Field(alias="residual_rms")]
     """Root mean square of the residual: m, or m/s."""
+    thrust: Quantity
+    """Thrust over that which was recorded, by the mass of scales; NaN without."""
 
     def __repr__(self) -> str:
         """The mass and what it was found from."""
@@ -295,15 +299,45 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
     signal = min(fits, key=lambda name: _uncertainty(fits[name][0]))
     fit, samples = fits[signal]
     warnings = _doubts(fit)
+    mass, thrust = NOWHERE, NOWHERE
+    if not warnings:
+        mass, scales = _mass(fit, burn.gain), robot.known.mass
+        if scales:
+            warnings = _beside_scales(mass, scales)
+            # The gain is in what it says of the mass, and is what it finds of thrust.
+            alone = _mass(fit, 0.0)
+            ratio = scales.value / alone.value
+            std = np.hypot(alone.std / alone.value, scales.std / scales.value)
+            thrust = Quantity(ratio, float(ratio * std))
+            mass = _with_scales(mass, scales)
     return Weighing(
-        mass=NOWHERE if warnings else _mass(fit, burn.gain),
+        mass=NOWHERE if warnings else mass,
         signal=signal,
         samples=samples,
         impulse=burn.impulse[-1, :, 0],
         rms=fit.rms,
         status="rejected" if warnings else "ok",
         warnings=warnings,
+        thrust=thrust,
     )
+
+
+def _beside_scales(mass: Quantity, scales: MeasuredQuantity) -> tuple[str, ...]:
+    """Whether both may be right."""
+    if abs(mass.value - scales.value) <= SIGNIFICANT * np.hypot(mass.std, scales.std):
+        return ()
+    return (
+        f"mass: by the burn it is {mass.value:.4g} +- {mass.std:.2g} kg, and by "
+        f"'known' {scales.value:.4g} +- {scales.std:.2g} kg; check the thrust, and "
+        "'gain' of the thrusters, which says how well it is known",
+    )
+
+
+def _with_scales(mass: Quantity, scales: MeasuredQuantity) -> Quantity:
+    """The mass by both."""
+    info = np.array([mass.std, scales.std]) ** -2.0
+    both = info @ np.array([mass.value, scales.value]) / info.sum()
+    return Quantity(float(both), float(info.sum() ** -0.5))
 
 
 def _check_locked(robot: Robot, recording: Recording) -> None:

@@ -37,12 +37,17 @@ from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import smooth
+from orbident.preprocessing.wrenches import Wrenches, recorded_wrenches
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.passive_joints import require_measured
+from orbident.simulation.control_laws import thrust_columns
+from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating
-from orbident.simulation.measure import measure
-from orbident.simulation.simulate import float_along
+from orbident.simulation.measure import Truth, measure_truth, truth_of, truth_of_flight
+from orbident.simulation.simulate import float_along, fly_along
 from orbident.threads import one_blas_thread
+from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 
 
@@ -65,7 +70,8 @@ def bound_of(
 
     Args:
         robot: with the noise of its sensors.
-        trajectory: of the joints, with the initial state of base and wheels.
+        trajectory: of the joints, with the initial state of base and wheels. Of its
+            environment, the thrusters act, as their recorded force says.
         initial_momentum: `"at-rest"` where the momentum will be known.
 
     Raises:
@@ -76,14 +82,16 @@ def bound_of(
     _check_noise(robot)
     sets = minimal_sets(robot)
     declared = robot.sensors
-    motion = float_along(robot, trajectory, declared.rows_per_second)
+    motion, true, wrenches = _moved(robot, trajectory, declared.rows_per_second)
     ideal = {name: sensor.ideal() for name, sensor in declared.declared.items()}
     exact = replace(robot, sensors=declared.model_copy(update=ideal))
-    recording = measure(exact, motion, trajectory)
+    recording = measure_truth(exact, motion.t, true)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
-    samples = _true_samples(motion, _shares(motion, sensors))
+    samples = _true_samples(motion, wrenches, _shares(motion, sensors))
     problem = problem_of(robot, sets, samples, sensors)
-    outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
+    # Where nothing acts they are constant, and else those at the start.
+    h_cm, v_cm = (np.atleast_2d(each)[0] for each in (motion.h_cm, motion.v_cm))
+    outside = NOTHING._replace(h_cm=h_cm, v_cm=v_cm)
     unknown = (*problem.declared, *problem.expected)
     state = start_of(problem, samples, outside, sets.beta(robot.theta)).carried(
         np.array([each.place for each in unknown])
@@ -115,6 +123,23 @@ def bound_of(
     return CramerRao(found, budget)
 
 
+def _moved(
+    robot: Robot, trajectory: Trajectory, rate: float
+) -> tuple[FreeFloating | FreeFlying, Truth, Wrenches]:
+    """The motion, and what thrusters give meanwhile."""
+    thrusters = trajectory.environment.thrusters if trajectory.environment else {}
+    if not thrusters:
+        floating = float_along(robot, trajectory, rate)
+        return floating, truth_of(robot, floating, trajectory.for_robot(robot)), ()
+    exact = {
+        name: each.model_copy(update={"gain": 1.0}) for name, each in thrusters.items()
+    }
+    alone = Environment(thrusters=exact)
+    flight = fly_along(robot, replace(trajectory, environment=alone), rate)
+    pushes = Recording(flight.t, thrust_columns(alone, flight.t))
+    return flight, truth_of_flight(flight), recorded_wrenches(robot, pushes, {})
+
+
 def _check_noise(robot: Robot) -> None:
     if not any(sensor.white_noise for sensor in robot.sensors.of_base.values()):
         raise InputError(
@@ -124,7 +149,7 @@ def _check_noise(robot: Robot) -> None:
         )
 
 
-def _shares(motion: FreeFloating, sensors: Sensors) -> tuple[float, ...]:
+def _shares(motion: FreeFloating | FreeFlying, sensors: Sensors) -> tuple[float, ...]:
     """What smoothing would leave of the encoders' variance."""
     encoders = sensors.by_name.get("joints")
     if encoders is None:
@@ -134,7 +159,9 @@ def _shares(motion: FreeFloating, sensors: Sensors) -> tuple[float, ...]:
     return tuple(share.tolist())
 
 
-def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
+def _true_samples(
+    motion: FreeFloating | FreeFlying, wrenches: Wrenches, shares: tuple[float, ...]
+) -> Samples:
     return Samples(
         t=motion.t,
         q=tuple(motion.q.T),
@@ -143,7 +170,7 @@ def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
         x_WB=tuple(motion.attitude.T),
         qd_rw=tuple(motion.qd_rw.T),
         v_S=tuple(motion.v_S.T),
-        wrenches=(),
+        wrenches=wrenches,
         surroundings={},
         locked=(),
         shares=shares,

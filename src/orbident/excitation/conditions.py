@@ -54,6 +54,8 @@ class Limits:
     """Speed of every wheel relative to the base, rad/s."""
     table: tuple[float, float] = (INFINITE, INFINITE)
     """Sides of the table along x and y, inertial axes, m."""
+    impulse: float = INFINITE
+    """Of all thrusters together, N s."""
 
 
 def limits_of(
@@ -63,6 +65,7 @@ def limits_of(
     excursion: float = INFINITE,
     wheel_speed: float = INFINITE,
     table: tuple[float, float] = (INFINITE, INFINITE),
+    impulse: float = INFINITE,
 ) -> Limits:
     """The limits in the robot file and its URDF, and those that neither can state.
 
@@ -76,15 +79,23 @@ def limits_of(
         wheel_speed: of every wheel relative to the base, rad/s.
         table: its sides along x and y, on which S, the joints' origins and the tips
             of the last links stay, m.
+        impulse: of all thrusters together, N s; where pulses are designed, as of a
+            robot without joints.
 
     Raises:
-        InputError: the robot has no joints, a joint has no velocity limit, a limit
-            is not above zero, those of joints that follow leave no motion, or the
-            robot is on no table.
+        InputError: the robot has neither joints nor thrusters, a joint has no velocity
+            limit, a limit is not above zero, those of joints that follow leave no
+            motion, or the robot is on no table.
     """
-    if not robot.joints:
+    if not robot.joints and not robot.thrusters:
         raise InputError(
-            f"{robot.name}: joints: found none; only moving joints excite a robot"
+            f"{robot.name}: joints and thrusters: found none; only what moves or "
+            "pushes excites a robot"
+        )
+    if robot.joints and impulse < INFINITE:
+        raise InputError(
+            "impulse limit: thrusters are fired only where a robot has no joints; "
+            "leave the limit out"
         )
     for joint in (robot.joints[k] for k in coupled_joints(robot).free):
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
@@ -98,6 +109,7 @@ def limits_of(
         "base rate": base_rate,
         "excursion": excursion,
         "wheel speed": wheel_speed,
+        "impulse": impulse,
         **dict(zip(SIDES, table, strict=True)),
     }
     for name, value in further.items():
@@ -113,8 +125,9 @@ def limits_of(
         )
     limits = Limits(
         # With one stop, a turn from it is as far as a motion needs.
-        position=np.array(
-            [joint.within(np.pi) if joint.position else free for joint in robot.joints]
+        position=np.reshape(
+            [joint.within(np.pi) if joint.position else free for joint in robot.joints],
+            (len(robot.joints), 2),
         ),
         velocity=np.array([joint.velocity or INFINITE for joint in robot.joints]),
         acceleration=np.full(len(robot.joints), float(acceleration)),
@@ -122,6 +135,7 @@ def limits_of(
         excursion=float(excursion),
         wheel_speed=float(wheel_speed),
         table=table,
+        impulse=float(impulse),
     )
     _narrow(robot, limits)
     return limits
@@ -208,7 +222,7 @@ def conditions_for(
     limits = limits_of(robot) if limits is None else limits
     if like is None:
         usual = _usual_ends(limits)
-        if min(limits.table) < INFINITE:
+        if robot.joints and min(limits.table) < INFINITE:
             usual[:, 0] = _folded(robot, limits)
         start = end = _following(robot, usual)
         initial = usual_initial(robot, start)

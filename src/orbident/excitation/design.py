@@ -25,7 +25,9 @@ from orbident.excitation.search import (
     SearchSpace,
     search,
 )
+from orbident.excitation.thruster_pulses import design_pulses
 from orbident.files.json_parts import nulled
+from orbident.files.names import listed
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.robot.passive_joints import require_measured
@@ -95,6 +97,8 @@ def design_excitation(
     The same seed and number of starts give the same trajectory on the same machine; a
     budget of seconds does not. An interrupt ends the search and keeps the best so far.
 
+    A robot without joints is excited by its thrusters, as `design_pulses` says.
+
     Args:
         robot: with limits of its joints; its inertia is nominal.
         duration: t_f, s.
@@ -126,6 +130,9 @@ def design_excitation(
     began = time.perf_counter()
     require_measured(robot, "the design of a motion")
     given = conditions or conditions_for(robot, duration, harmonics)
+    if not robot.joints:
+        _check_pulses(robot, given, objective, uncertainty, len(beside) + 1)
+        return design_pulses(robot, given, starts, budget, seed, progress)
     objective = objective or usual_objective(robot, given)
     if beside:
         _check_adds_up(objective)
@@ -167,6 +174,28 @@ def design_excitation(
     return replace(best.proven.trajectory, design=made)
 
 
+def _check_pulses(
+    robot: Robot,
+    given: Conditions,
+    objective: Objective | None,
+    uncertainty: float,
+    recordings: int,
+) -> None:
+    """Refuse what only motions of joints are designed for."""
+    wrong = {
+        f"objective {objective}": objective not in (None, "d"),
+        "harmonics": given.harmonics is not None,
+        "uncertainty": bool(uncertainty),
+        "several recordings": recordings > 1,
+    }
+    named = [name for name, found in wrong.items() if found]
+    if named:
+        raise InputError(
+            f"{robot.name}: {listed(named)}: without joints, pulses of thrusters are "
+            "designed, for the objective d and one recording; leave this out"
+        )
+
+
 def _check_adds_up(objective: Objective) -> None:
     if objective == "cond":
         raise InputError(
@@ -200,6 +229,8 @@ def design_recordings(
     """
     objective = objective or usual_objective(robot, conditions)
     if recordings > 1:
+        if not robot.joints:
+            _check_pulses(robot, conditions, objective, 0.0, recordings)
         _check_adds_up(objective)
     share = None if budget is None else budget / recordings
     made: list[Trajectory] = []
@@ -253,8 +284,10 @@ def _space(
 def usual_objective(robot: Robot, given: Conditions) -> Objective:
     """`d` where sensors are declared: errors are then several times smaller.
 
-    A basis is named for its condition number.
+    A basis is named for its condition number. Pulses of thrusters have no other.
     """
+    if not robot.joints:
+        return "d"
     return "d" if given.basis is None and weights_of(robot.sensors) else "cond"
 
 

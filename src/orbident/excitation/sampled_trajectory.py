@@ -1,5 +1,6 @@
 """A trajectory as samples, for those who have to follow it."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -7,8 +8,10 @@ import numpy as np
 import yaml
 from jaxtyping import Float
 
+from orbident.errors import InputError
 from orbident.files.text import write_text
 from orbident.recordings.recording import Recording
+from orbident.simulation.control_laws import part_on
 from orbident.simulation.simulate import sample_times
 from orbident.trajectories.trajectory import Trajectory
 
@@ -26,6 +29,8 @@ class SampledTrajectory(NamedTuple):
     """rad or m."""
     qd: Float[np.ndarray, "n joints"]
     qdd: Float[np.ndarray, "n joints"]
+    duty: Mapping[str, Float[np.ndarray, " n"]]
+    """Of each thruster that fires, until the next sample."""
 
 
 def sampled(trajectory: Trajectory, rate: float) -> SampledTrajectory:
@@ -41,12 +46,20 @@ def sampled(trajectory: Trajectory, rate: float) -> SampledTrajectory:
     t = sample_times(trajectory.duration, rate)
     if t[-1] < trajectory.duration:
         t = np.append(t, trajectory.duration)
-    return SampledTrajectory(trajectory.joints, t, *trajectory.at(t))
+    fired = trajectory.environment.thrusters if trajectory.environment else {}
+    duty = {
+        name: sum((part_on(pulse, t) for pulse in each.pulses), np.zeros(t.size))
+        for name, each in fired.items()
+    }
+    return SampledTrajectory(trajectory.joints, t, *trajectory.at(t), duty)
 
 
 def motion_table(samples: SampledTrajectory) -> Recording:
-    """As a table: `t`, and `joint.<name>.position`, `.velocity`, `.acceleration`."""
-    columns = {}
+    """As a table: `t`, and `joint.<name>.position`, `.velocity`, `.acceleration`.
+
+    And `thruster.<name>.duty`, from 0 to 1.
+    """
+    columns = {f"thruster.{name}.duty": duty for name, duty in samples.duty.items()}
     for k, name in enumerate(samples.joints):
         columns[f"joint.{name}.position"] = samples.q[:, k]
         columns[f"joint.{name}.velocity"] = samples.qd[:, k]
@@ -58,8 +71,14 @@ def write_joint_trajectory(samples: SampledTrajectory, path: Path) -> None:
     """Writes a ROS `trajectory_msgs/JointTrajectory` as YAML.
 
     Raises:
-        InputError: the folder does not exist or cannot be written to.
+        InputError: there are no joints, or the folder does not exist or cannot be
+            written to.
     """
+    if not samples.joints:
+        raise InputError(
+            f"{path}: a joint trajectory has no pulses of thrusters, and here are no "
+            "joints; write a table"
+        )
     points = [
         {
             "positions": q.tolist(),

@@ -34,6 +34,7 @@ from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Settings
+from orbident.preprocessing.wrenches import recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.passive_joints import require_measured
@@ -70,11 +71,16 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     Raises:
         InputError: the result has undetermined parameters, or the recording lacks what
-            prediction needs.
+            prediction needs, or has thrust.
     """
     result.check_accepted()
     _check_complete(result)
     robot, sets = result.robot, minimal_sets(result.robot)
+    if any(recorded_thrust(robot, recording)):
+        raise InputError(
+            f"{recording.source}: thrust acts, and this prediction is of what floats "
+            "free; 'orbident validate' predicts poses over some seconds"
+        )
     require_measured(robot, "prediction", "identify every recording by itself")
     _check_sizes(result, sets)
     regressors = sets.regressors

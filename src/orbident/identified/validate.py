@@ -7,7 +7,7 @@ parameters, and chi-square distributed where the result is right. Momentum, bias
 the noise of every sensor, filtered or raw, are accounted for in both.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -21,6 +21,7 @@ from orbident.estimation.levels import chi_square
 from orbident.estimation.result import Result
 from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
+from orbident.identified.pose_prediction import WINDOW, PoseErrors, pose_errors
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.preprocessing.wrenches import recorded_thrust
@@ -35,7 +36,7 @@ MISSED = 0.1
 larger squared error is no noise."""
 
 
-UNSCORED = "it was not measured, or thrust acts, which no prediction has"
+UNSCORED = "it was not measured, or thrust acts and no pose was measured"
 """Why a signal has no error."""
 
 SCORED = ("gyro", "velocity")
@@ -72,11 +73,17 @@ class Validation(JsonPart):
     """How many parameters are compared: what `chi2` is on average."""
     p_value: NullableNumber = np.nan
     """Probability of a larger `chi2` where the result is right."""
+    pose: dict[str, NullableNumber] = field(default_factory=dict)
+    """Where thrust acts: RMS of the errors of attitude and position, predicted over
+    windows of five seconds, over their RMS about their means there."""
+    pose_by_nominal: dict[str, NullableNumber] = field(default_factory=dict)
+    """The same by the robot file's bodies and thrust as recorded."""
 
     def summary(self) -> list[str]:
         """The errors of every signal and what explains them, as lines of text."""
         lines = []
-        for name, unit in zip(SCORED, ("rad/s", "m/s"), strict=True):
+        units = {} if self.pose else dict(zip(SCORED, ("rad/s", "m/s"), strict=True))
+        for name, unit in units.items():
             rms, std = self.rms[name], self.std[name]
             left = self.noise.get(name, np.nan)
             if not np.isfinite(rms):
@@ -90,6 +97,11 @@ class Validation(JsonPart):
                     f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
                     f"{sensors} by sensor noise (what a fit to this recording leaves)"
                 )
+        lines += [
+            f"{name:9} error over {WINDOW:g} s: {100 * error:.3g} % of the signal, by "
+            f"the robot file's numbers {100 * self.pose_by_nominal[name]:.3g} %"
+            for name, error in self.pose.items()
+        ]
         if self.dof:
             lines.append(
                 f"chi-square {self.chi2:.3g} with {self.dof} degrees of freedom, "
@@ -107,7 +119,8 @@ class Validation(JsonPart):
 def validate(result: Result, recording: RecordingLike) -> Validation:
     """Predict a recording's base rates and velocities, score and judge the errors.
 
-    Where thrust is recorded, the motion is not predicted, and parameters are compared.
+    Where thrust is recorded, the pose is predicted over windows of five seconds, in
+    which what else acts matters little.
 
     Args:
         result: complete and not rejected.
@@ -127,7 +140,7 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
     held = recording_of(recording)
     recording = held.read() if isinstance(held, LongRecording) else held
     thrust = any(recorded_thrust(result.robot, recording))
-    scores = _unscored(recording) if thrust else scored(result, recording)
+    scores = _of_poses(result, recording) if thrust else scored(result, recording)
     own = identify(result.robot, recording, initial_momentum=result.initial_momentum)
     if own.status == "rejected" and result.initial_momentum != "unknown":
         # What was known of one recording's momentum need not hold for another.
@@ -144,7 +157,12 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
     return replace(scores, noise=scored(own, recording).rms)
 
 
-def _unscored(recording: Recording) -> Validation:
+def _of_poses(result: Result, recording: Recording) -> Validation:
+    """The errors of poses alone: thrust is in no other prediction."""
+    result.check_accepted()
+    found = PoseErrors({}, {})
+    if np.isfinite(result.base.values).all() and not result.robot.passive:
+        found = pose_errors(result, recording)
     none: dict[str, NullableNumber] = dict.fromkeys(SCORED, np.nan)
     return Validation(
         nrmse=none,
@@ -155,6 +173,8 @@ def _unscored(recording: Recording) -> Validation:
         noise={},
         verdict="not judged",
         reason="",
+        pose=found.identified,
+        pose_by_nominal=found.nominal,
     )
 
 

@@ -26,6 +26,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
 from orbident.model.dependencies import (
+    DEPENDENT,
     Columns,
     dependencies,
     independent_columns,
@@ -135,6 +136,14 @@ class MinimalSets:
     def beta(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " beta"]:
         """The free-flying base parameters `[M, sigma, iota]`, with declared rotors."""
         return self.base.T @ (theta.ravel() + self.rotors)
+
+    def of_mass(self, body: int) -> Float[np.ndarray, " beta"] | None:
+        """A body's mass as a combination of `beta`; None where no motion shows it."""
+        T, theta_of = self.base.T, self.base.theta_of
+        mass = np.eye(1, T.shape[1], PER_BODY * body)[0]
+        by_beta = mass @ theta_of
+        shown = np.allclose(by_beta @ T, mass, atol=DEPENDENT)
+        return by_beta if shown else None
 
     def theta(self, beta: Float[np.ndarray, " beta"]) -> Float[np.ndarray, "bodies 10"]:
         """Bodies that have these base parameters, their declared rotors apart."""

@@ -247,9 +247,11 @@ def _newton(thruster: Thruster, recording: Recording) -> Float[np.ndarray, " sam
     on = _held(recording.column(duty))
     wrong = np.flatnonzero((on < 0) | (on > 1))
     if wrong.size:
+        percent = 1 < np.max(on) <= 100 and np.min(on) >= 0
+        perhaps = ": if it is in percent, divide it by 100" if percent else ""
         raise InputError(
             f"{where}, row {wrong[0] + 1}: found {on[wrong[0]]:g}; a duty is between 0 "
-            "(off) and 1 (full thrust)"
+            f"(off) and 1 (full thrust){perhaps}"
         )
     return on * thruster.thrust
 

@@ -13,6 +13,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
+from orbident.identified.pose_prediction import WINDOW
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.identified.validate import SCORED
 from orbident.preprocessing.origins import SMOOTHED, WORDS
@@ -162,6 +163,10 @@ def read_validation(path: Path) -> Section | None:
         ) from None
 
 
+HEAD = "signal", "error, RMS", "% of signal", "by parameters", "by sensors"
+"""Of the table of predicted rates and velocities."""
+
+
 def validation(scores: dict) -> Section:
     """The verdict, and the errors beside what was expected of them."""
     rows = (
@@ -174,12 +179,25 @@ def validation(scores: dict) -> Section:
         )
         for name in SCORED
     )
+    poses = [
+        (
+            f"{name}, over windows of {WINDOW:g} s",
+            Numeric(100 * error),
+            Numeric(100 * scores["pose_by_nominal"][name]),
+        )
+        for name, error in scores.get("pose", {}).items()
+    ]
+    tables = [table_of("Errors, and what is expected of them", HEAD, rows)]
+    if poses:
+        head = "pose", "error, % of signal", "by the robot file's numbers, %"
+        tables = [table_of("Errors of poses, thrust included", head, poses)]
+    predicted = "Poses" if poses else "Base rates and velocities"
+    by = "thrust" if poses else "the motion of joints and wheels"
     origin = "which was not used to identify"
     if scores.get("used"):
         origin = "from which the parameters were identified, so that it says little"
     words = [
-        f"Base rates and velocities of {scores['file']}, {origin}, were predicted from "
-        "the motion of joints and wheels: "
+        f"{predicted} of {scores['file']}, {origin}, were predicted from {by}: "
         f"{scores['verdict']}. {scores['reason'].capitalize()}.",
     ]
     if scores["degrees_of_freedom"]:
@@ -187,12 +205,11 @@ def validation(scores: dict) -> Section:
             f"Chi-square {short(scores['chi2'])} with {scores['degrees_of_freedom']} "
             f"degrees of freedom, p = {short(scores['p_value'], 2)}."
         )
-    head = ("signal", "error, RMS", "% of signal", "by parameters", "by sensors")
     return Section(
         name="validation",
         title="Validation",
         words=tuple(words),
-        tables=(table_of("Errors, and what is expected of them", head, rows),),
+        tables=tuple(tables),
     )
 
 

@@ -165,6 +165,10 @@ class KnownQuantities:
         default_factory=dict
     )
     """Its CM along axes of the base link's frame, all joints at zero, m."""
+    bodies: Mapping[Name, Annotated[MeasuredQuantity, measurement_of("mass")]] = field(
+        default_factory=dict
+    )
+    """The mass of single bodies, by name, kg."""
 
 
 class MomentumWalk(NamedTuple):

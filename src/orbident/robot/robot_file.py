@@ -63,6 +63,7 @@ def assembled(
     _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
+    _require_bodies("known: bodies", file.known.bodies, bodies, place)
     check_passive(file.passive, bodies.joints, couplings, place)
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place

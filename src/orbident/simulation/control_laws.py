@@ -225,12 +225,14 @@ def thrust_columns(
     """
     return {
         f"thruster.{name}.force": sum(
-            (_mean(pulse, t) for pulse in thrust.pulses), np.zeros(t.size)
+            (pulse.force * part_on(pulse, t) for pulse in thrust.pulses),
+            np.zeros(t.size),
         )
         for name, thrust in environment.thrusters.items()
     }
 
 
-def _mean(pulse: Firing, t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " rows"]:
+def part_on(pulse: Firing, t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " rows"]:
+    """The part of the time until the next row in which a pulse is on; zero at last."""
     since = np.clip(t, pulse.on, pulse.off)
-    return np.append(pulse.force * np.diff(since) / np.diff(t), 0.0)
+    return np.append(np.diff(since) / np.diff(t), 0.0)

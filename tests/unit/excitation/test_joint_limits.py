@@ -45,8 +45,8 @@ def test_a_joint_without_a_velocity_limit_is_refused(robot):
 
 
 def test_a_robot_without_joints_is_refused(robot):
-    with pytest.raises(InputError, match="joints: found none"):
-        limits_of(replace(robot, joints=()))
+    with pytest.raises(InputError, match="joints and thrusters: found none"):
+        limits_of(replace(robot, joints=(), thrusters=()))
 
 
 @pytest.mark.parametrize("found", [0.0, 1e-300, 1e160, float("nan")])

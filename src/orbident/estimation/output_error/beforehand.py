@@ -131,7 +131,7 @@ def carried_rows(
 def measured_rows(
     robot: Robot, sets: MinimalSets
 ) -> Float[np.ndarray, "measured columns"]:
-    """Mass and CM that were measured: whitened equations over `[outside | beta]`.
+    """Masses and CM that were measured: whitened equations over `[outside | beta]`.
 
     A CM `c`, from S, with all joints at zero: `moments beta - M c = 0`, over the
     deviation of `c` times the nominal mass.
@@ -140,9 +140,13 @@ def measured_rows(
     moments = first_moments(poses(robot, np.zeros((1, len(robot.joints)))))[0]
     rows = np.zeros((0, OUTSIDE + theta_of.shape[1] + 1))
     whole = np.eye(1, theta_of.shape[1])[0]
-    if known.mass is not None:
-        value, std = known.mass
-        row = np.concatenate([np.zeros(OUTSIDE), whole, [value]])
+    weighed = [(whole, known.mass)] if known.mass else []
+    for name, mass in known.bodies.items():
+        by_beta = sets.of_mass(robot.bodies.index(name))
+        # What no motion shows changes no base parameter.
+        weighed += [] if by_beta is None else [(by_beta, mass)]
+    for by_beta, (value, std) in weighed:
+        row = np.concatenate([np.zeros(OUTSIDE), by_beta, [value]])
         rows = np.vstack([rows, row / std])
     for axis, (value, std) in known.com.items():
         k = "xyz".index(axis)

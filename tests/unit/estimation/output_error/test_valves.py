@@ -11,6 +11,7 @@ from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.validate import validate
+from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot, write_robot
 
 KNOWN = "known: {mass: 23.09 +- 0.01 kg}\n"
@@ -76,14 +77,34 @@ def test_valves_that_are_said_to_act_at_once(tmp_path):
     assert result.status == "rejected"
 
 
-def test_a_result_is_validated_by_its_parameters(tmp_path):
-    """No motion is predicted where thrust acts: nothing is said of its errors."""
+def test_a_result_predicts_poses(tmp_path):
+    """As well as they are measured, and far better than the robot file's numbers."""
     truth = drawn(2)
     result = identify(satellite(tmp_path, more=KNOWN), flown(truth, 2))
-    found = validate(result, flown(replace(truth, clock=0.1), 3))
+    level = replace(truth, tilt=(0.0, 0.0))
+    found = validate(result, flown(level, 3))
     assert found.verdict == "explained"
     assert all(np.isnan(each) for each in found.rms.values())
-    assert "thrust acts, which no prediction has" in str(found)
+    # The noise of `flown`, and what parameters and valves are off.
+    seen = flown(level, 3, std=(0.0, 0.0))
+    for name, std in {"position": 3e-4, "attitude": 5e-4}.items():
+        size = spread(seen, name)
+        assert found.pose[name] * size < 1.3 * std
+        assert found.pose_by_nominal[name] > 3 * found.pose[name]
+    assert "error over 5 s" in str(found)
+
+
+def spread(recording: Recording, name: str) -> float:
+    """RMS about means of windows of five seconds, m (an axis) or rad."""
+    if name == "position":
+        x = recording.vector(name)[:, :2]
+    else:
+        x = 2 * np.unwrap(
+            np.arctan2(recording.column("attitude.z"), recording.column("attitude.w")),
+            period=np.pi,
+        )
+    parts = np.array_split(x, 12)
+    return float(np.sqrt(np.mean([np.mean((p - p.mean(axis=0)) ** 2) for p in parts])))
 
 
 def test_a_floor_that_pushes_at_random(tmp_path):

@@ -46,6 +46,7 @@ def test_all_are_tried_here():
         "astrobee",
         "basilisk",
         "cepheus",
+        "kentucky",
         "nasa-42",
         "optitrack",
         "phasespace",
@@ -233,6 +234,26 @@ def test_phasespace(tmp_path: Path):
     assert np.isnan(recording.vector("position")[4]).all()
     turned = Rotation.from_quat(recording.vector("attitude", "xyzw")[seen])
     np.testing.assert_allclose((turned * X_WB[seen].inv()).magnitude(), 0, atol=1e-7)
+
+
+def test_kentucky(tmp_path: Path):
+    """Millimetres, degrees, and eight valves in one cell."""
+    rows = [
+        f'{t},{t + 1.14},{1000 * t},{-2000 * t},{90 * t},"[{k % 2}, 0, 0, 0, 0, 0, 0, 1]"'
+        for k, t in enumerate(T)
+    ]
+    head = "MPC_Start_Time,Command_Sent_Time,Telemetry_X_mm,Telemetry_Z_mm"
+    path = tmp_path / "real.csv"
+    path.write_text("\n".join([f"{head},Telemetry_Yaw_deg,Command_Vector", *rows]))
+    assert proposed(path, "kentucky")
+    recording, report = by_preset(path, "kentucky")
+    assert report.warnings == ()
+    near(recording.vector("position"), np.c_[T, -2 * T, 0 * T])
+    check_attitude(recording, Rotation.from_rotvec(np.outer(np.pi / 2 * T, [0, 0, 1])))
+    np.testing.assert_array_equal(
+        recording.column("thruster.t1.duty"), np.arange(N) % 2
+    )
+    np.testing.assert_array_equal(recording.column("thruster.t8.duty"), 1)
 
 
 def test_spot(tmp_path: Path):

@@ -1,0 +1,308 @@
+"""Pulses of thrusters that excite a robot without joints: the best of random ones.
+
+A sequence is drawn pulse by pulse: none, one or two thrusters for a while. It goes on
+with a pulse after which the robot could still brake within its limits. Among sequences
+that keep to the limits, the one is taken whose Cramer-Rao bound is smallest: the
+geometric mean of the deviations of the base parameters, which depends on no units.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.excitation.bound import bound_of
+from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.search import Progress
+from orbident.files.json_parts import nulled
+from orbident.model.kinematics import inertia
+from orbident.model.minimal_sets import conserved_axes
+from orbident.model.rotations import rotation_angle
+from orbident.robot.description import Robot
+from orbident.simulation.control_laws import Driven, Pulse
+from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.threads import one_blas_thread
+from orbident.trajectories.environment import Environment
+from orbident.trajectories.trajectory import Trajectory
+
+SEQUENCES = 24
+"""So many are compared where nothing is asked for, as starts of a search are."""
+
+SHORTEST_PULSE = 0.3
+"""s: three times what commands may be late, so that most of a pulse is no edge."""
+
+LONGEST_PULSE = 0.1
+"""Over the duration: there is time for ten and more."""
+
+DRAWS = 16
+"""Of a next pulse; where none leaves room to brake, the one that lacks least."""
+
+VAIN = 20
+"""So many sequences beyond their limits for each that is not: limits are too tight."""
+
+
+SEEN = 9
+"""Samples of a pulse: the extremes of a parabola are missed by a 64th at most."""
+
+
+class PulseExtremes(NamedTuple):
+    """How far a motion goes, with the robot as it is declared."""
+
+    rate: float
+    """Norm of the base's angular velocity, rad/s."""
+    excursion: float
+    """Angle of the base from its first attitude, rad."""
+    table: tuple[float, float]
+    """Sides along x and y of what S passes over, m."""
+    impulse: float
+    """Of all thrusters together, N s."""
+
+
+class Brakes(NamedTuple):
+    """What one thruster can do at least against any motion."""
+
+    push: float
+    """m/s^2."""
+    turn: float
+    """rad/s^2."""
+
+
+class PulseSequence(NamedTuple):
+    """Pulses that have been drawn, and the motion that they make."""
+
+    pulses: tuple[Pulse, ...]
+    flights: tuple[FreeFlying, ...]
+
+    def extremes(self, brakes: Brakes | None = None) -> PulseExtremes:
+        """How far it goes; with brakes, until it stands again after its end."""
+        w, x, r = (
+            np.concatenate([getattr(each, name) for each in self.flights])
+            for name in ("w", "attitude", "r_S")
+        )
+        rate = np.linalg.norm(w, axis=1)
+        turned = rotation_angle(x, np.broadcast_to(x[0], x.shape))
+        excursion, v = float(turned.max()), self.flights[-1].v_S[-1]
+        if brakes:
+            excursion = max(excursion, turned[-1] + rate[-1] ** 2 / 2 / brakes.turn)
+            r = np.vstack([r, r[-1] + v * np.abs(v) / 2 / brakes.push])
+        width, depth = np.ptp(r, axis=0)[:2].tolist()
+        impulse = sum(each.force * (each.off - each.on) for each in self.pulses)
+        return PulseExtremes(float(rate.max()), excursion, (width, depth), impulse)
+
+
+def brakes_of(robot: Robot, limits: Limits) -> Brakes:
+    """The least that the best thruster does along or about any axis that shows.
+
+    Args:
+        robot: with the thrust of its thrusters, and its nominal inertia.
+        limits: where there is none of place or turn, nothing needs brakes.
+
+    Raises:
+        InputError: no thruster pushes or turns some way in which a limit needs it.
+    """
+    at = inertia(robot, np.zeros((1, 0)))
+    fired = [each for each in robot.thrusters if each.thrust]
+    force = np.array([each.direction * (each.thrust or 0.0) for each in fired])
+    arms = np.array([each.position for each in fired]) - robot.feature_point
+    torque = np.cross(arms - at.r_cm[0], force)
+    found = []
+    for limit, effect, axes, verb in zip(
+        (min(limits.table), limits.excursion),
+        (force / robot.mass, torque @ np.linalg.inv(at.D[0])),
+        reversed(conserved_axes(robot)),
+        ("push", "turn"),
+        strict=True,
+    ):
+        ways = effect[:, list(axes)]
+        least = float(np.concatenate([ways, -ways], axis=1).max(axis=0).min())
+        if np.isfinite(limit) and least <= 0:
+            raise InputError(
+                f"{robot.name}: limits: its thrusters do not {verb} it every way, and "
+                "so it cannot brake; leave the limit out"
+            )
+        found.append(least if np.isfinite(limit) else np.inf)
+    return Brakes(*found)
+
+
+def over_limits(found: PulseExtremes, limits: Limits, paid: float) -> float:
+    """The largest part by which a limit is exceeded; zero or less where none is.
+
+    Args:
+        found: how far a motion goes.
+        limits: of base, table and impulse.
+        paid: the part of the impulse that may be used.
+    """
+    shares = (
+        found.rate / limits.base_rate,
+        found.excursion / limits.excursion,
+        found.table[0] / limits.table[0],
+        found.table[1] / limits.table[1],
+        found.impulse / (paid * limits.impulse),
+    )
+    return max(shares) - 1
+
+
+@one_blas_thread
+def design_pulses(
+    robot: Robot,
+    given: Conditions,
+    sequences: int | None = None,
+    budget: float | None = None,
+    seed: int = 0,
+    progress: Callable[[Progress], object] = lambda _: None,
+) -> Trajectory:
+    """The best of random sequences of pulses that keep to the limits.
+
+    An interrupt ends it and keeps the best so far.
+
+    Args:
+        robot: without joints, with the thrust of its thrusters and the noise of its
+            sensors; its inertia is nominal.
+        given: duration, initial state, and limits.
+        sequences: how many to compare; by default 24.
+        budget: instead of them, seconds.
+        seed: of the draws.
+        progress: is called after each sequence.
+
+    Raises:
+        InputError: no thruster has a thrust, no sensor a noise, or no sequence keeps to
+            the limits.
+    """
+    if not any(each.thrust for each in robot.thrusters):
+        raise InputError(
+            f"{robot.name}: thrusters: found none with a thrust; add 'thrust: 0.45' (N)"
+        )
+    brakes = brakes_of(robot, given.limits)
+    began, wanted = time.perf_counter(), sequences or SEQUENCES
+    random, found, interrupted = np.random.default_rng(seed), [], False
+    drawn, done = 0, 0.0
+    while done < 1 and not interrupted and drawn < VAIN * (1 + len(found)):
+        drawn += 1
+        try:
+            sequence = _sequence(robot, given, brakes, random)
+            over = over_limits(sequence.extremes(), given.limits, 1.0)
+            if sequence.pulses and over <= 0:
+                motion = _trajectory(robot, given, sequence.pulses)
+                found.append((_deviation(robot, motion), sequence, motion))
+            used = (time.perf_counter() - began) / budget if budget else None
+            done = len(found) / wanted if used is None else used
+            best = min((value for value, *_ in found), default=np.inf)
+            progress(Progress(min(done, 1.0), best, drawn))
+        except KeyboardInterrupt:
+            if not found:
+                raise
+            interrupted = True
+    if not found:
+        raise InputError(
+            f"{robot.name}: limits: none of {drawn} random sequences of pulses keeps "
+            "to them; raise a limit, or give less time"
+        )
+    values = [value for value, *_ in found]
+    best, sequence, motion = found[int(np.argmin(values))]
+    extremes = sequence.extremes()
+    made = {
+        "objective": "d",
+        "value": nulled(best),
+        "searched_value": nulled(best),
+        "starts": len(found),
+        "beyond_limits": drawn - len(found),
+        "interrupted": interrupted,
+        "median_random_start": nulled(float(np.median(values))),
+        "seed": seed,
+        "extremes": extremes._asdict() | {"table": list(extremes.table)},
+    }
+    return replace(motion, design=made)
+
+
+def _sequence(
+    robot: Robot, given: Conditions, brakes: Brakes, random: np.random.Generator
+) -> PulseSequence:
+    """Pulses until the end, each drawn so that the robot could still brake."""
+    still = _trajectory(robot, given, ())
+    base = BaseState.of(given.initial, robot)
+    state, t, made = standing(base, np.zeros(0)), 0.0, PulseSequence((), ())
+    rate = robot.sensors.rows_per_second
+    while t < given.duration - SHORTEST_PULSE:
+        best = np.inf, made, t
+        for _ in range(DRAWS):
+            drawn, end = _drawn(robot, given.duration, t, rate, random)
+            flight = _flown(robot, still, state, drawn, t, end)
+            longer = PulseSequence((*made.pulses, *drawn), (*made.flights, flight))
+            paid = end / given.duration
+            over = over_limits(longer.extremes(brakes), given.limits, paid)
+            if over < best[0]:
+                best = over, longer, end
+            if over <= 0:
+                break
+        _, made, t = best
+        state = made.flights[-1].state(-1)
+    return made
+
+
+def _drawn(
+    robot: Robot, duration: float, t: float, rate: float, random: np.random.Generator
+) -> tuple[tuple[Pulse, ...], float]:
+    """None, one or two thrusters from now on, and until when; edges are at rows."""
+    longest = max(LONGEST_PULSE * duration, SHORTEST_PULSE)
+    length = SHORTEST_PULSE * (longest / SHORTEST_PULSE) ** random.uniform()
+    end = min(max(round((t + length) * rate), round(t * rate) + 1) / rate, duration)
+    fired = [each for each in robot.thrusters if each.thrust]
+    chosen = random.permutation(len(fired))[: random.integers(0, 3)]
+    pulses = (Pulse(fired[k].name, t, end, fired[k].thrust or 0.0) for k in chosen)
+    return tuple(pulses), end
+
+
+def _flown(
+    robot: Robot,
+    still: Trajectory,
+    state: FlyingState,
+    pulses: tuple[Pulse, ...],
+    t: float,
+    end: float,
+) -> FreeFlying:
+    """The motion of one draw, seen a few times."""
+    times = np.linspace(t, end, SEEN)
+    return free_flying(robot, times, state, still, Driven(), pulses=pulses)
+
+
+def _trajectory(
+    robot: Robot, given: Conditions, pulses: tuple[Pulse, ...]
+) -> Trajectory:
+    """A file's, pulses of one thruster that follow each other joined."""
+    firing: dict[str, list[dict[str, float]]] = {}
+    for name, on, off, force in pulses:
+        before = firing.setdefault(name, [])
+        if before and before[-1]["off"] == on:
+            before[-1]["off"] = off
+        else:
+            before.append({"on": on, "off": off, "force": force})
+    thrusters = {
+        each.name: {"pulses": firing[each.name]}
+        for each in robot.thrusters
+        if each.name in firing
+    }
+    environment = Environment.model_validate({"thrusters": thrusters})
+    none = np.zeros((0, 3))
+    return Trajectory(
+        given.duration,
+        (),
+        np.zeros((0, 0)),
+        np.zeros((0, 0)),
+        none,
+        none,
+        given.initial,
+        environment if thrusters else None,
+    )
+
+
+def _deviation(robot: Robot, motion: Trajectory) -> float:
+    """Geometric mean of the least deviations; infinite where not all are determined."""
+    base = bound_of(robot, motion).parameters.base
+    if not base.determined.all():
+        return np.inf
+    return float(np.exp(np.log(np.diag(base.covariance)).mean() / 2))
