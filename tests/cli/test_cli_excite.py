@@ -123,7 +123,7 @@ def test_how_large_a_table_a_motion_needs(orbident, table_5):
     assert "m of a table" in ran.out
     made = load_trajectory("made.yaml").design
     assert made is not None
-    width, depth = made["proven"]["table"]
+    width, depth, radius = made["proven"]["table"]
     assert width < 1.0
     assert depth < 1.1
     inspected = orbident("inspect", "cepheus-like", "--trajectory", table_5).done()
@@ -131,7 +131,38 @@ def test_how_large_a_table_a_motion_needs(orbident, table_5):
     compared = orbident(
         *("excite", "cepheus-like", "--compare", "made.yaml", "--json", "-"),
     ).done()
-    assert compared.json["trajectories"][0]["table"] == [width, depth]
+    assert compared.json["trajectories"][0]["table"] == [width, depth, radius]
+
+
+def test_what_a_compared_motion_exceeds(orbident, table_5):
+    compare = ("excite", "cepheus-like", "--compare", table_5)
+    limits = ("--limit", "table=0.6", "--limit", "wheel_speed=210")
+    words = "table5.yaml: table radius: up to 0.649"
+    ran = orbident(*compare, *limits, "--json", "out.json")
+    assert ran.status == 0
+    assert words in ran.err
+    (found,) = json.loads(Path("out.json").read_text())["trajectories"]
+    assert [each for each in found["exceeded"] if words in each]
+    assert "round table, radius in m" in ran.out
+    ran = orbident(*compare, "--limit", "table=1.5x1.4", "--json", "-").done()
+    assert ran.json["trajectories"][0]["exceeded"] == []
+    orbident(*compare, "--recordings", 3).refused("--recordings 3", "leave")
+
+
+@pytest.mark.parametrize(
+    ("robot", "limit", "words"),
+    [
+        ("cepheus-like", "table=-1", "table radius limit: found -1"),
+        ("cepheus-like", "table=1x-1", "table depth limit: found -1"),
+        ("cepheus-like", "table=", "table=WIDTHxDEPTH or table=RADIUS"),
+        ("cepheus-like", "table=0.2", "exceeds the limit of table radius, by"),
+        ("paper-spatial", "table=0.6", "the robot flies in space"),
+    ],
+)
+def test_tables_that_make_no_sense(orbident, robot, limit, words):
+    made = ("excite", robot, "-o", "made.yaml", "--starts", 1, "--limit", limit)
+    orbident(*made).refused(words)
+    assert not Path("made.yaml").exists()
 
 
 def test_motions_of_several_recordings(orbident):

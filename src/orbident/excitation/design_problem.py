@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import minimize
 
-from orbident.excitation.conditions import SIDES, Conditions, Limits
+from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.criterion import (
     Basis,
     Objective,
@@ -34,7 +34,12 @@ from orbident.excitation.floating import (
 )
 from orbident.excitation.information import Information, Sensing, sensing_of
 from orbident.excitation.joint_limits import JointMotions, Polytope, joint_motions
-from orbident.excitation.table_points import add_points, points_on_table
+from orbident.excitation.table_points import (
+    TABLE_SIZES,
+    add_points,
+    points_on_table,
+    use_of_table,
+)
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
@@ -106,7 +111,7 @@ class DesignProblem:
             "excursion": self.limits.excursion < np.pi,
             "wheel speed": self.limits.wheel_speed < np.inf
             and self.crafts[0].wheels.free.size > 0,
-            **{name: self.limits.table[k] < np.inf for k, name in enumerate(SIDES)},
+            **{name: size < np.inf for name, size in self._table.items()},
         }
         return tuple(name for name, there in finite.items() if there)
 
@@ -240,39 +245,34 @@ class DesignProblem:
     ) -> tuple[float, Float[np.ndarray, "free m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
-        most, shares = smooth_maximum(uses, LIMITS_POWER)
-        if name in SIDES:
-            # Where on the table the robot begins is free.
-            least, of_least = smooth_maximum(-uses, LIMITS_POWER)
-            size = most + least
-            most, shares = size**2, 2 * size * (shares - of_least)
+        if name in TABLE_SIZES:
+            size = self._table[name] * (1 - OFF_THE_EDGE)
+            most, by_uses = use_of_table(name, size, uses, LIMITS_POWER)
+        else:
+            most, by_uses = smooth_maximum(uses, LIMITS_POWER)
         shape = len(self.motions.scale), self.motions.basis[0].shape[1]
         gradient = np.zeros(shape)
-        for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
+        for craft, motion, by_use in zip(self.crafts, motions, by_uses, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
             gradient += self._pulled_back(craft, q, qd, f)
         return most, gradient
 
-    def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses"]:
-        """The square of the share of a limit, node by node.
-
-        Of a table, where each point is, over its side.
-        """
+    def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses ..."]:
+        """The square of the share of a limit, node by node; of a table, the points."""
         if name == "base rate":
             return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
         if name == "wheel speed":
             return (motion.qd_rw / self.limits.wheel_speed) ** 2
-        if name in SIDES:
-            axis, robot = SIDES.index(name), motion.craft.robot
-            points = points_on_table(robot, motion.q, motion.R, motion.r_S)
-            return points[:, :, axis] / self._side(axis)
+        if name in TABLE_SIZES:
+            robot = motion.craft.robot
+            return points_on_table(robot, motion.q, motion.R, motion.r_S)
         # sin^2 of half the angle: (3 - tr R_0^T R) / 4.
         trace = np.einsum("ij,nij->n", motion.R[0], motion.R)[:, None]
         return (3 - trace) / 4 / np.sin(self.limits.excursion / 2) ** 2
 
     def _add_use(
-        self, f: Gradient, name: str, by_use: Float[np.ndarray, "n uses"]
+        self, f: Gradient, name: str, by_use: Float[np.ndarray, "n uses ..."]
     ) -> None:
         motion = f.motion
         if name == "base rate":
@@ -281,17 +281,15 @@ class DesignProblem:
             by_speed = by_use * 2 * motion.qd_rw / self.limits.wheel_speed**2
             wheels = self.crafts[0].wheels
             f.w -= (by_speed * wheels.free) @ wheels.axes.T
-        elif name in SIDES:
-            axis = SIDES.index(name)
-            by_points = np.zeros((*by_use.shape, len(SIDES)))
-            by_points[:, :, axis] = by_use / self._side(axis)
-            add_points(f, by_points)
+        elif name in TABLE_SIZES:
+            add_points(f, by_use)
         else:
             scale = 4 * np.sin(self.limits.excursion / 2) ** 2
             f.R -= by_use[:, :, None] * motion.R[0] / scale
 
-    def _side(self, axis: int) -> float:
-        return self.limits.table[axis] * (1 - OFF_THE_EDGE)
+    @property
+    def _table(self) -> dict[str, float]:
+        return dict(zip(TABLE_SIZES, self.limits.table, strict=True))
 
 
 def problem_for(

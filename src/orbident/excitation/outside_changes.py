@@ -26,7 +26,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.agent import Disturbance
-from orbident.environment.agents import AGENTS, FILM, STEADY, std_of
+from orbident.environment.agents import AGENTS, FILM, FREE, STEADY, std_of
 from orbident.environment.motion import PointMotion, RobotMotion
 from orbident.environment.worlds import (
     Scale,
@@ -148,6 +148,16 @@ class OutsideChanges:
             group: [k for k, each in enumerate(moving.numbers) if each.group == group]
             for group in groups
         }
+
+    @property
+    def drift(self) -> float:
+        """How far along an axis what has a size moves the robot at most, m.
+
+        It is one standard deviation; what may be anything has no size.
+        """
+        sized = self._all_stds < FREE
+        moved = running_integral(self.v[..., sized], self._at.t[1] - self._at.t[0])
+        return float(np.sqrt(np.sum(moved**2, axis=2)).max())
 
     def add_v(self, f: Gradient, by_v: Float[np.ndarray, "n v numbers"]) -> None:
         """Adds the gradient, from that with respect to `v`."""

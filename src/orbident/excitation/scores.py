@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.excitation.conditions import Limits
 from orbident.excitation.criterion import (
     Basis,
     Objective,
@@ -17,13 +18,20 @@ from orbident.excitation.criterion import (
     spectrum_of,
 )
 from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
-from orbident.excitation.guarantee import floated, smallest_table
+from orbident.excitation.guarantee import (
+    Flown,
+    broken_limit,
+    floated,
+    smallest_table,
+)
 from orbident.excitation.information import (
     Information,
     Sensing,
     sensing_of,
     weights_of,
 )
+from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
+from orbident.excitation.table_points import TableSize
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
@@ -34,10 +42,6 @@ DETERMINED = 1e-13
 
 EVERY = 4
 """So many samples of a motion are one of its score."""
-
-
-Flown = tuple[Trajectory, FreeFloating]
-"""A trajectory for a robot, rows in its order, and the motion along it."""
 
 
 class Bounds(NamedTuple):
@@ -69,6 +73,9 @@ class CriterionValues(NamedTuple):
     """Of not knowing what acts from outside: by how much deviations of the base
     parameters grow, as a geometric mean; None where nothing may act."""
     deviations: Bounds | None
+    drift: float | None
+    """How far what may act moves a robot on its table in a recording, one standard
+    deviation, m; None in space or where nothing may act."""
 
 
 def scores_of(
@@ -99,7 +106,9 @@ def scores_of(
         F = F if eigenvalues[0] > DETERMINED * eigenvalues[-1] else None
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
-    price = deviations = None
+    price = deviations = drift = None
+    if anything_may_act(robot) and robot.motion == "planar":
+        drift = max(OutsideChanges(motion).drift for motion, _ in seen)
     if F is not None and sensing is not None and whole:
         beta, pi, phi = (
             _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
@@ -117,6 +126,7 @@ def scores_of(
         **{name: None if F is None else _value(name, F) for name in ("d", "a", "e")},
         price=price,
         deviations=deviations,
+        drift=drift,
     )
 
 
@@ -190,14 +200,17 @@ class Scorecard(NamedTuple):
     nominal: Float[np.ndarray, " parameters"]
     deviations: Float[np.ndarray, "trajectories parameters"]
     """Predicted standard deviations; NaN where not all is determined."""
-    tables: tuple[tuple[float, float] | None, ...]
+    tables: tuple[TableSize | None, ...]
     """As of `smallest_table`."""
+    exceeded: tuple[tuple[str, ...], ...]
+    """Which of each one's motions do not keep to a limit, in words."""
 
 
 def compare_trajectories(
     robot: Robot,
     experiments: Sequence[Sequence[Trajectory]],
     basis: Basis | None = None,
+    limits: Limits | None = None,
 ) -> Scorecard:
     """Score experiments, with the nominal inertia and the robot file's sensors.
 
@@ -205,6 +218,7 @@ def compare_trajectories(
         robot: with its nominal inertia.
         experiments: the trajectories of each one's recordings, with initial states.
         basis: of the condition numbers; the automatic one by default.
+        limits: that the motions are to keep; none by default.
 
     Raises:
         InputError: a trajectory is not for this robot, or the base turns too fast.
@@ -214,14 +228,22 @@ def compare_trajectories(
     names = ["M"]
     names += [f"pi_{i + 1}" for i in range(pi.size)]
     names += [f"phi_{i + 1}" for i in range(phi.size)]
-    scores, deviations, tables = [], [], []
+    scores, deviations, tables, exceeded = [], [], [], []
     for trajectories in experiments:
         ordered = [each.for_robot(robot) for each in trajectories]
         flown = [(each, floated(robot, each)) for each in ordered]
         score = scores_of(robot, flown, basis)
         needed = [smallest_table(robot, *each) for each in flown]
         sides = np.array([each for each in needed if each])
-        tables.append(tuple(sides.max(axis=0).tolist()) if sides.size else None)
+        tables.append(TableSize(*sides.max(axis=0).tolist()) if sides.size else None)
+        broken = [limits and broken_limit(robot, each, limits) for each in flown]
+        exceeded.append(
+            tuple(
+                f"{each.source}: {words}"
+                for each, words in zip(ordered, broken, strict=True)
+                if words
+            )
+        )
         scores.append(score)
         std = score.deviations
         deviations.append(
@@ -237,4 +259,5 @@ def compare_trajectories(
         nominal=np.concatenate([[robot.mass], pi, phi]),
         deviations=np.array(deviations),
         tables=tuple(tables),
+        exceeded=tuple(exceeded),
     )
