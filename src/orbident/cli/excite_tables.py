@@ -17,8 +17,9 @@ CRITERIA = {
 }
 
 
-BY_WHAT_ACTS = {
+BESIDE = {
     "price": "times as wide by what may act",
+    "price_of_tolerances": "times as wide by tolerances",
     "drift": "moved by what may act, m",
 }
 
@@ -107,6 +108,11 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
             f"{_number(scores['price'])} times as wide (of the best random motion: "
             f"{_number(made['price_of_random_start'])} times)"
         )
+    if scores["price_of_tolerances"] is not None:
+        lines.append(
+            "what may be off about instruments, within tolerances, makes them "
+            f"{_number(scores['price_of_tolerances'])} times as wide"
+        )
     rows = (
         (
             name,
@@ -155,7 +161,7 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     from orbident.files.json_parts import nulled
 
     shown = dict(CRITERIA)
-    for key, words in BY_WHAT_ACTS.items():
+    for key, words in BESIDE.items():
         if any(getattr(score, key) is not None for score in found.scores):
             shown[key] = words
     rows = (

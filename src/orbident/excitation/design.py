@@ -237,7 +237,7 @@ def _space(
     given: Conditions,
     objective: Objective,
     uncertainty: float,
-    known: Float[np.ndarray, "unknowns unknowns"] | float,
+    known: Float[np.ndarray, "common common"] | float,
 ) -> SearchSpace:
     problem = problem_for(robot, given, objective, uncertainty, known)
     steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * problem.motions.harmonics)

@@ -32,7 +32,12 @@ from orbident.excitation.floating import (
     nutation,
     was_at_rest,
 )
-from orbident.excitation.information import Information, Sensing, sensing_of
+from orbident.excitation.information import (
+    Information,
+    Sensing,
+    of_parameters,
+    sensing_of,
+)
 from orbident.excitation.joint_limits import JointMotions, Polytope, joint_motions
 from orbident.excitation.table_points import (
     TABLE_SIZES,
@@ -100,7 +105,7 @@ class DesignProblem:
     sensing: Sensing | None
     """None for the objective cond."""
     at_rest: bool
-    known: Float[np.ndarray, "unknowns unknowns"] | float
+    known: Float[np.ndarray, "common common"] | float
     """Information that other recordings give; zero without any."""
 
     @property
@@ -205,9 +210,10 @@ class DesignProblem:
             add_Y_hat(f, by_rows, pi_of, axes, self.at_rest)
         else:
             information = Information(self.sensing, motion, self.at_rest)
-            spectrum = spectrum_of(information.F + self.known)
+            F, left = of_parameters(self.sensing, information.F + self.known)
+            spectrum = spectrum_of(F)
             value = log_criterion(self.objective, spectrum.l, p)
-            information.add(f, by_matrix(spectrum, value.by_l))
+            information.add(f, left @ by_matrix(spectrum, value.by_l) @ left.T)
         return (value.smooth, value.exact), f
 
     @property
@@ -297,7 +303,7 @@ def problem_for(
     given: Conditions,
     objective: Objective,
     uncertainty: float,
-    known: Float[np.ndarray, "unknowns unknowns"] | float = 0.0,
+    known: Float[np.ndarray, "common common"] | float = 0.0,
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 

@@ -27,6 +27,7 @@ from orbident.excitation.guarantee import (
 from orbident.excitation.information import (
     Information,
     Sensing,
+    of_parameters,
     sensing_of,
     weights_of,
 )
@@ -72,6 +73,8 @@ class CriterionValues(NamedTuple):
     price: float | None
     """Of not knowing what acts from outside: by how much deviations of the base
     parameters grow, as a geometric mean; None where nothing may act."""
+    price_of_tolerances: float | None
+    """The same of what may be off about instruments; None where all are exact."""
     deviations: Bounds | None
     drift: float | None
     """How far what may act moves a robot on its table in a recording, one standard
@@ -83,7 +86,8 @@ def scores_of(
 ) -> CriterionValues:
     """Score a motion by every criterion, or the motions of several recordings together.
 
-    Parameters are common to all recordings, and all else is each one's own.
+    Parameters and errors of instruments are common to all recordings, and all else is
+    each one's own.
 
     d, a and e are of the free-flying base parameters, in units in which random motion
     shows all alike; so they depend on no choice of basis.
@@ -106,7 +110,7 @@ def scores_of(
         F = F if eigenvalues[0] > DETERMINED * eigenvalues[-1] else None
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
-    price = deviations = drift = None
+    price = of_tolerances = deviations = drift = None
     if anything_may_act(robot) and robot.motion == "planar":
         drift = max(OutsideChanges(motion).drift for motion, _ in seen)
     if F is not None and sensing is not None and whole:
@@ -115,9 +119,9 @@ def scores_of(
         )
         deviations = Bounds(float(beta[0]), pi, phi)
         if sensing.acting:
-            alone = _sum(replace(sensing, acting=False), seen)
-            growth = beta / _std(sensing.beta_of, alone)
-            price = float(np.exp(np.log(growth).mean()))
+            price = _growth(beta, replace(sensing, acting=False), seen)
+        if sensing.errors:
+            of_tolerances = _growth(beta, replace(sensing, errors=()), seen)
     return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
@@ -125,6 +129,7 @@ def scores_of(
         cond_W_normalised=_condition(W / _norms(W)),
         **{name: None if F is None else _value(name, F) for name in ("d", "a", "e")},
         price=price,
+        price_of_tolerances=of_tolerances,
         deviations=deviations,
         drift=drift,
     )
@@ -149,13 +154,27 @@ def _seen(
 def _sum(
     sensing: Sensing, seen: list[tuple[NodalMotion, bool]]
 ) -> Float[np.ndarray, "u u"]:
-    return np.sum([Information(sensing, *each).F for each in seen], axis=0)
+    """What recordings tell of the parameters, with errors within their tolerances."""
+    F = np.sum([Information(sensing, *each).F for each in seen], axis=0)
+    return of_parameters(sensing, F).F
+
+
+def _growth(
+    std: Float[np.ndarray, " beta"],
+    without: Sensing,
+    seen: list[tuple[NodalMotion, bool]],
+) -> float:
+    """By how much deviations grow, beside those with less unknown."""
+    growth = std / _std(without.beta_of, _sum(without, seen))
+    return float(np.exp(np.log(growth).mean()))
 
 
 def information_of(
     robot: Robot, flown: Sequence[Flown]
-) -> Float[np.ndarray, "unknowns unknowns"]:
-    """What recordings tell of the parameters, in the units of `sensing_of`.
+) -> Float[np.ndarray, "common common"]:
+    """What recordings tell of parameters and errors of instruments.
+
+    They are in the units of `sensing_of` and at their deviations.
 
     Args:
         robot: with its nominal inertia.
@@ -165,7 +184,9 @@ def information_of(
         InputError: the robot file has no sensor of the base's motion.
     """
     sets = minimal_sets(robot)
-    return _sum(sensing_of(robot, sets), [_seen(robot, sets, *each) for each in flown])
+    sensing = sensing_of(robot, sets)
+    seen = (_seen(robot, sets, *each) for each in flown)
+    return np.sum([Information(sensing, *each).F for each in seen], axis=0)
 
 
 def _condition(rows: Float[np.ndarray, "m n"]) -> float:
