@@ -1,7 +1,7 @@
 """The gradient of the criterion and of the limits, on any tree, by differences."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ class Recipe(NamedTuple):
 def every_tolerance(robot: Robot) -> Tolerances:
     """Of every kind; wide, so that each counts beside the sensors' noise."""
     each = dict.fromkeys(robot.joint_names, 0.02)
-    stds = {
+    stds: dict[str, Any] = {
         name: each if kind.name.startswith("joint.") else 0.02
         for name, kind in CALIBRATION_KINDS.items()
     }
