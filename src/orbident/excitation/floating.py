@@ -119,7 +119,7 @@ class Gradient:
     def __post_init__(self) -> None:
         self.Y, self.W = np.zeros_like(self.motion.Y), np.zeros_like(self.motion.W)
         self.w, self.r_cm = np.zeros((2, len(self.motion.w), 3))
-        self.q, self.qd = np.zeros((2, *self.motion.q.shape))
+        self.q, self.qd = np.zeros((2, len(self.motion.q), self.motion.q.shape[1]))
         self.R, self.E = np.zeros((2, len(self.motion.w), 3, 3))
 
     def add_v_S(self, by: Float[np.ndarray, "n 3"]) -> None:

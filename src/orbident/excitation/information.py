@@ -191,7 +191,8 @@ class SensedChanges:
 
     def add(self, f: Gradient, by_rows: Mapping[str, Rows]) -> None:
         """Adds the gradient, from that with respect to `rows` of each sensor."""
-        self.by_dh, self.by_dv_B = np.zeros((2, *self.instruments.dh.shape))
+        shape = 2, len(self.dw), 3, len(self.sensing.errors)
+        self.by_dh, self.by_dv_B = np.zeros(shape)
         for sensor, by in by_rows.items():
             self._add(f, sensor, by)
         self.instruments.add_momenta(f, self.by_dh, self.by_dv_B)
