@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 308,
-    "lines": 58_849,
+    "files": 309,
+    "lines": 59_454,
     "files of estimation": 49,
     "lines of estimation": 11_010,
-    "files with one user": 66,
+    "files with one user": 67,
     "imports below each other": 31,
     "numbers without a reason": 38,
 }
