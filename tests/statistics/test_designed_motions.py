@@ -28,6 +28,7 @@ from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.design import design_excitation
+from orbident.excitation.floating import spun_up
 from orbident.excitation.guarantee import floated
 from orbident.robot.description import Robot
 from orbident.robot.may_act import MayAct
@@ -111,13 +112,14 @@ def drawn_errors(robot: Robot, seed: int) -> dict[str, float]:
     return {each.name: each.std * random.standard_normal() for each in every}
 
 
-def not_quite_still(robot: Robot, motion: Trajectory, seed: int) -> Trajectory:
-    """It turned as a whole where it is said to have been at rest."""
-    if momentum_of(robot) != "at-rest":
+def started(flown: Robot, motion: Trajectory, seed: int) -> Trajectory:
+    """From rest with the wheels that it has, but for how still it is said to have been."""
+    if momentum_of(flown) != "at-rest":
         return motion
-    spin = robot.at_rest.spin * np.random.default_rng([8, seed]).standard_normal()
-    w = np.add(motion.initial.angular_velocity, [0.0, 0.0, spin])
-    return replace(motion, initial=replace(motion.initial, angular_velocity=w))
+    spin = flown.at_rest.spin * np.random.default_rng([8, seed]).standard_normal()
+    initial = spun_up(flown, motion.initial.wheel_speed, motion.start)
+    w = np.add(initial.angular_velocity, [0.0, 0.0, spin])
+    return replace(motion, initial=replace(initial, angular_velocity=w))
 
 
 def momentum_of(robot: Robot) -> InitialMomentum:
@@ -127,10 +129,11 @@ def momentum_of(robot: Robot) -> InitialMomentum:
 def realised(robot: Robot, trajectory: Trajectory, seed: int) -> np.ndarray:
     """Errors of `pi`, their deviations, and the whitened square of all errors."""
     sizes = sizes_for(robot, trajectory)
-    started = not_quite_still(robot, trajectory, seed)
-    acted = replace(started, environment=drawn_world(robot, sizes, seed))
     errors = drawn_errors(robot, seed)
     flown = moved_joints(robot, errors)
+    acted = replace(
+        started(flown, trajectory, seed), environment=drawn_world(robot, sizes, seed)
+    )
     with patch("orbident.simulation.outside.markov", partial(slowly, robot, sizes)):
         recording = recorded(flown, acted, errors, seed)
     found = identify(robot, recording, initial_momentum=momentum_of(robot))
