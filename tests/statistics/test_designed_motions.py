@@ -113,11 +113,11 @@ def drawn_errors(robot: Robot, seed: int) -> dict[str, float]:
 
 
 def started(flown: Robot, motion: Trajectory, seed: int) -> Trajectory:
-    """From rest with the wheels that it has, but for how still it is said to have been."""
+    """From rest with the wheels that it has, and as still as it is said to be."""
     if momentum_of(flown) != "at-rest":
         return motion
     spin = flown.at_rest.spin * np.random.default_rng([8, seed]).standard_normal()
-    initial = spun_up(flown, motion.initial.wheel_speed, motion.start)
+    initial = spun_up(flown, {**motion.initial.wheel_speed}, motion.start)
     w = np.add(initial.angular_velocity, [0.0, 0.0, spin])
     return replace(motion, initial=replace(initial, angular_velocity=w))
 
