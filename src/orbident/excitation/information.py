@@ -8,7 +8,8 @@ conservation predicts, to first order in `beta = [M, sigma, iota]`,
 
 A gyro sees `w`, an accelerometer the changes of `v_S`, a star tracker or motion capture
 the integral of `w`, and motion capture that of `v_S`; each with white noise and an
-unknown constant. Momenta and constants are eliminated.
+unknown constant. Momenta and constants are eliminated, and so are what acts from
+outside and errors of instruments, whose columns are known to a deviation beforehand.
 """
 
 from collections.abc import Mapping
@@ -157,6 +158,7 @@ class SensedChanges:
         if self.outside:
             change.append(R_T @ self.outside.h[:, h])
         self.dh = np.concatenate(change, axis=2)
+        # What momentum conservation makes of them; a clock's `w` is beside it.
         self.by_h = self.E @ self.dh
         self.dv_B = self.lever @ self.by_h
         self.dv_B[:, :, :u] += motion.W @ sensing.phi_of
@@ -192,10 +194,10 @@ class SensedChanges:
     def add(self, f: Gradient, by_rows: Mapping[str, Rows]) -> None:
         """Adds the gradient, from that with respect to `rows` of each sensor."""
         shape = 2, len(self.dw), 3, len(self.sensing.errors)
-        self.by_dh, self.by_dv_B = np.zeros(shape)
+        self._by_dh, self._by_dv_B = np.zeros(shape)
         for sensor, by in by_rows.items():
             self._add(f, sensor, by)
-        self.instruments.add_momenta(f, self.by_dh, self.by_dv_B)
+        self.instruments.add_momenta(f, self._by_dh, self._by_dv_B)
 
     def _axes(self, sensor: str) -> tuple[int, ...]:
         turns = sensor in ("gyro", "attitude")
@@ -229,14 +231,14 @@ class SensedChanges:
             self._add_dv(f, running_integral_transposed(by, dt))
 
     def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
-        """`dv = R_v (W dphi + lever dw) + dv_cm`."""
+        """`dv = R_v (W dphi + dv_B + lever by_h) + dv_cm`."""
         sensing = self.sensing
         if self.outside:
             self.outside.add_v(f, by_dv[:, :, self.first :])
         _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
-        self.by_dv_B += self._of_errors(by, sensing.v)
+        self._by_dv_B += self._of_errors(by, sensing.v)
         by_lever = np.zeros_like(f.R)
         _add(by_lever, sensing.v, sensing.h, by @ np.swapaxes(self.by_h, 1, 2))
         f.r_cm += axial(by_lever)
@@ -252,7 +254,7 @@ class SensedChanges:
         _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
-        self.by_dh += self._of_errors(by, sensing.h)
+        self._by_dh += self._of_errors(by, sensing.h)
         if self.first > self.errors.stop:
             by_R = np.swapaxes(by[:, :, self.errors.stop : self.first], 1, 2)
             _add(f.R, sensing.h, sensing.h, by_R)
