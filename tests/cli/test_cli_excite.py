@@ -124,7 +124,7 @@ def test_how_large_a_table_a_motion_needs(orbident, table_5):
     assert "m of a table" in ran.out
     made = load_trajectory("made.yaml").design
     assert made is not None
-    width, depth = made["proven"]["table"]
+    width, depth, radius = made["proven"]["table"]
     assert width < 1.0
     assert depth < 1.1
     inspected = orbident("inspect", "cepheus-like", "--trajectory", table_5).done()
@@ -132,7 +132,22 @@ def test_how_large_a_table_a_motion_needs(orbident, table_5):
     compared = orbident(
         *("excite", "cepheus-like", "--compare", "made.yaml", "--json", "-"),
     ).done()
-    assert compared.json["trajectories"][0]["table"] == [width, depth]
+    assert compared.json["trajectories"][0]["table"] == [width, depth, radius]
+
+
+def test_what_a_compared_motion_exceeds(orbident, table_5):
+    compare = ("excite", "cepheus-like", "--compare", table_5)
+    limits = ("--limit", "table=0.6", "--limit", "wheel_speed=210")
+    words = "table5.yaml: table radius: up to 0.649"
+    ran = orbident(*compare, *limits, "--json", "out.json")
+    assert ran.status == 0
+    assert words in ran.err
+    (found,) = json.loads(Path("out.json").read_text())["trajectories"]
+    assert [each for each in found["exceeded"] if words in each]
+    assert "round table, radius in m" in ran.out
+    ran = orbident(*compare, "--limit", "table=1.5x1.4", "--json", "-").done()
+    assert ran.json["trajectories"][0]["exceeded"] == []
+    orbident(*compare, "--recordings", 3).refused("--recordings 3", "leave")
 
 
 def test_motions_of_several_recordings(orbident):
@@ -210,7 +225,13 @@ def test_sample_for_ros(orbident, table_5):
             ["base_rate=x"],
         ),
         (["cepheus-like", "-o", "made.yaml", "--limit", "base_rate=0"], ["base rate"]),
-        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1"], ["WIDTHxDEPTH"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table="], ["WIDTHxDEPTH"]),
+        (["cepheus-like", "-o", "m.yaml", "--limit", "table=1x1x1"], ["table=RADIUS"]),
+        (["cepheus-like", "-o", "m.yaml", "--limit", "table=-1"], ["table radius"]),
+        (
+            ["cepheus-like", "-o", "m.yaml", "--limit", "table=0.2"],
+            ["even the gentlest joint motion exceeds the limit of table radius, by"],
+        ),
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1xm"], ["'table=1xm'"]),
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),
         (["paper-spatial", "-o", "made.yaml", "--limit", "table=1x1"], ["in space"]),

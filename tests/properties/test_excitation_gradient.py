@@ -1,7 +1,7 @@
 """The gradient of the criterion and of the limits, on any tree, by differences."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from orbident.excitation.criterion import Objective
 from orbident.excitation.design_problem import problem_for
 from orbident.robot.description import AtRest, Robot
 from orbident.robot.sensor_schema import declared_sensors
+from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
 
 pytestmark = pytest.mark.core
 
@@ -33,6 +34,8 @@ class Recipe(NamedTuple):
     massless: bool
     uncertainty: float
     objective: Objective
+    off: bool
+    """Whether instruments and geometry may be off, in every way."""
 
     def robot(self) -> Robot:
         make = random_planar_robot if self.planar else random_robot
@@ -53,6 +56,7 @@ class Recipe(NamedTuple):
         }
         return replace(
             robot,
+            tolerances=every_tolerance(robot) if self.off else Tolerances(),
             joints=joints,
             theta=theta,
             sensors=declared_sensors(sensors),
@@ -68,6 +72,16 @@ class Recipe(NamedTuple):
         return replace(given, limits=limits)
 
 
+def every_tolerance(robot: Robot) -> Tolerances:
+    """Of every kind; wide, so that each counts beside the sensors' noise."""
+    each = dict.fromkeys(robot.joint_names, 0.02)
+    stds: dict[str, Any] = {
+        name: each if kind.name.startswith("joint.") else 0.02
+        for name, kind in CALIBRATION_KINDS.items()
+    }
+    return Tolerances(**stds)
+
+
 recipes = st.builds(
     Recipe,
     seed=st.integers(0, 999),
@@ -76,6 +90,7 @@ recipes = st.builds(
     massless=st.booleans(),
     uncertainty=st.sampled_from([0.0, 0.1]),
     objective=st.sampled_from(["cond", "d", "a"]),
+    off=st.booleans(),
 )
 
 

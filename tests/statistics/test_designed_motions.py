@@ -1,8 +1,11 @@
 """Deviations that a designed motion promises, realised by many recordings.
 
-What may act is drawn from the robot's world for each of them:
+What may act is drawn from the robot's world for each of them, and so are the errors of
+instruments within their usual tolerances:
 
     ORBIDENT_REALISED=200 pytest -m long -s tests/statistics/test_designed_motions.py
+
+Other robots are named by `ORBIDENT_ROBOTS`, their files one after another.
 """
 
 import os
@@ -14,20 +17,24 @@ import numpy as np
 import pytest
 from small_problems import at_rest
 
+from orbident.campaigns.case import moved_joints, recorded
 from orbident.campaigns.executors import local
 from orbident.campaigns.seeds import SeedRuns, Series
 from orbident.choices import InitialMomentum
 from orbident.environment.torques_and_forces import slow_shapes
 from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
 from orbident.estimation.identify import identify
+from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.excitation.bound import bound_of
+from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.design import design_excitation
+from orbident.excitation.floating import spun_up
 from orbident.excitation.guarantee import floated
 from orbident.robot.description import Robot
 from orbident.robot.may_act import MayAct
 from orbident.robot.robot_file import load_robot
+from orbident.robot.tolerance_schema import TolerancesEntry
 from orbident.robot.units import STANDARD_GRAVITY
-from orbident.simulation.simulate import simulate
 from orbident.studies.spatial import paper_case
 from orbident.threads import at_hand
 from orbident.trajectories.environment import Environment
@@ -38,12 +45,27 @@ pytestmark = pytest.mark.long
 REALISED = int(os.environ.get("ORBIDENT_REALISED", "200"))
 """So many recordings of each robot."""
 
+OTHERS = os.environ.get("ORBIDENT_ROBOTS", "").split()
+
+OWN = ["cepheus-like", "paper-spatial"]
+
 
 def in_its_world(name: str) -> Robot:
     """A robot whose file says nothing of what acts; on a table, with a pad below S."""
-    robot = replace(load_robot(name), disturbances=None)
+    robot = load_robot(name)
     planar = robot.motion == "planar"
-    return replace(robot, pads={robot.bodies[0]: np.zeros(3)} if planar else {})
+    return replace(
+        robot,
+        disturbances=None,
+        tolerances=TolerancesEntry().in_si(robot.joints, (), name),
+        pads={robot.bodies[0]: np.zeros(3)} if planar else {},
+    )
+
+
+def conditions(robot: Robot) -> Conditions:
+    if robot.name in OWN:
+        return replace(paper_case(robot).conditions, basis=None, harmonics=None)
+    return conditions_for(robot, 30.0 if robot.motion == "planar" else 60.0)
 
 
 def sizes_for(robot: Robot, trajectory: Trajectory) -> dict[str, MayAct]:
@@ -84,6 +106,22 @@ def slowly(robot, sizes, random, t, std, correlation_time):
     return sizes["slow_torque"].size * shapes @ numbers
 
 
+def drawn_errors(robot: Robot, seed: int) -> dict[str, float]:
+    random = np.random.default_rng([9, seed])
+    every = calibrations_of(robot, robot.sensors.declared)
+    return {each.name: each.std * random.standard_normal() for each in every}
+
+
+def started(flown: Robot, motion: Trajectory, seed: int) -> Trajectory:
+    """From rest with the wheels that it has, and as still as it is said to be."""
+    if momentum_of(flown) != "at-rest":
+        return motion
+    spin = flown.at_rest.spin * np.random.default_rng([8, seed]).standard_normal()
+    initial = spun_up(flown, {**motion.initial.wheel_speed}, motion.start)
+    w = np.add(initial.angular_velocity, [0.0, 0.0, spin])
+    return replace(motion, initial=replace(initial, angular_velocity=w))
+
+
 def momentum_of(robot: Robot) -> InitialMomentum:
     return "at-rest" if robot.motion == "planar" else "unknown"
 
@@ -91,9 +129,13 @@ def momentum_of(robot: Robot) -> InitialMomentum:
 def realised(robot: Robot, trajectory: Trajectory, seed: int) -> np.ndarray:
     """Errors of `pi`, their deviations, and the whitened square of all errors."""
     sizes = sizes_for(robot, trajectory)
-    acted = replace(trajectory, environment=drawn_world(robot, sizes, seed))
+    errors = drawn_errors(robot, seed)
+    flown = moved_joints(robot, errors)
+    acted = replace(
+        started(flown, trajectory, seed), environment=drawn_world(robot, sizes, seed)
+    )
     with patch("orbident.simulation.outside.markov", partial(slowly, robot, sizes)):
-        recording = simulate(robot, acted, noise="sensors", seed=seed)
+        recording = recorded(flown, acted, errors, seed)
     found = identify(robot, recording, initial_momentum=momentum_of(robot))
     assert found.status == "ok", found.warnings
     miss = found.base.values - found.base.nominal
@@ -101,11 +143,10 @@ def realised(robot: Robot, trajectory: Trajectory, seed: int) -> np.ndarray:
     return np.array([*(found.pi.values - found.pi.nominal), *found.pi.std, square])
 
 
-@pytest.mark.parametrize("name", ["cepheus-like", "paper-spatial"])
+@pytest.mark.parametrize("name", [*OWN, *OTHERS])
 def test_what_a_designed_motion_promises_is_realised(name, capsys):
     robot = in_its_world(name)
-    given = replace(paper_case(robot).conditions, basis=None, harmonics=None)
-    motion = design_excitation(robot, conditions=given, starts=8)
+    motion = design_excitation(robot, conditions=conditions(robot), budget=20.0)
     series = Series(partial(realised, robot, motion), range(REALISED))
     (made,) = SeedRuns(executors=local(at_hand())).over(series)
     errors, std = np.split(made.runs[:, :-1], 2, axis=1)

@@ -186,6 +186,7 @@ def _excitation(
     by = (Y[:m].copy(), W[:m].copy(), np.ones((m, 3, 3)), w[:m], w[:m], w[:m])
     along = (floating, laws, sets, q, qd, 0.1, rate, x_WB)
     make("float_gradient", *along, *by, THREADS)
+    make("momentum_gradient", made, q, qd, w, w, w, THREADS)
 
 
 def _output_error(calls: Calls, robot: Robot) -> None:

@@ -199,7 +199,7 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
                                                                                   9 * k);
         Vector3<double> r = vector(f_r.data() + 3 * k);
         for (int i = 0; i < 3 && (!by_D.isZero(0) || !r.isZero(0)); ++i, r = none)
-          add_momentum_gradient(robot, at, memory.wrenches, by_D.col(i), r,
+          add_momentum_gradient(robot, at, memory.wrenches, by_D.col(i), r, none,
                                 Vector3<double>::Unit(i), memory.still.data(), f_q_k,
                                 memory.unused.data());
       }
@@ -212,13 +212,41 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
         configure(robot, q.data() + k * K, memory.bodies.at);
         const NodeStages& here = stages[static_cast<std::size_t>(k)];
         for (int s = 0; s < 2; ++s)
-          add_momentum_gradient(robot, memory.bodies.at, memory.wrenches, -here.a[s], none,
+          add_momentum_gradient(robot, memory.bodies.at, memory.wrenches, -here.a[s], none, none,
                                 here.w[s], qd.data() + k * K, f_q.data() + k * K,
                                 f_qd.data() + k * K);
       }
     });
   }
   return std::make_tuple(f_q.give(), f_qd.give());
+}
+
+auto momentum_gradient(const OwnedRobot& owned, const Array& q_, const Array& qd_, const Array& w_,
+                       const Array& a_, const Array& v_, int threads) {
+  const Robot robot = owned.view();
+  const std::int64_t K = robot.tree.joints;
+  const auto q = input<2>("q", q_, {ANY, K});
+  const std::ptrdiff_t n = q.size(0);
+  const auto qd = input<2>("qd", qd_, {n, K});
+  const auto w = input<2>("w", w_, {n, 3}), a = input<2>("a", a_, {n, 3});
+  const auto v = input<2>("v", v_, {n, 3});
+  Out<2> f_q(n, K), f_qd(n, K), f_w(n, 3);
+  std::fill_n(f_q.data(), n * K, 0.0);
+  std::fill_n(f_qd.data(), n * K, 0.0);
+  {
+    nb::gil_scoped_release release;
+    parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      NodeMemory memory(robot.tree, 0);
+      for (std::ptrdiff_t k = first; k < last; ++k) {
+        configure(robot, q.data() + k * K, memory.bodies.at);
+        Eigen::Map<Vector3<double>>(f_w.data() + 3 * k) = add_momentum_gradient(
+            robot, memory.bodies.at, memory.wrenches, vector(a.data() + 3 * k),
+            Vector3<double>::Zero(), vector(v.data() + 3 * k), vector(w.data() + 3 * k),
+            qd.data() + k * K, f_q.data() + k * K, f_qd.data() + k * K);
+      }
+    });
+  }
+  return std::make_tuple(f_q.give(), f_qd.give(), f_w.give());
 }
 
 }  // namespace
@@ -237,6 +265,9 @@ void bind_excitation(nb::module_& m) {
         nb::arg("threads") = 1,
         "df/dq and df/dqd at all nodes, from the gradients of f by Y, W, D, r_cm, w and a small "
         "rotation of the base at every second one.");
+  m.def("momentum_gradient", &momentum_gradient, nb::arg("robot"), nb::arg("q"), nb::arg("qd"),
+        nb::arg("w"), nb::arg("a"), nb::arg("v"), nb::arg("threads") = 1,
+        "The gradients by q, qd and w of a . h_rs + v . (w x r_cm + J_cm qd), state by state.");
 }
 
 }  // namespace orbident::python

@@ -105,7 +105,7 @@ Limit = Annotated[
         metavar="NAME=VALUE",
         help="Add a limit, in SI; may be given several times. NAME is one of "
         f"{', '.join(LIMITS)}, or table, whose VALUE is a width and a depth such as "
-        "1.2x0.8.",
+        "1.2x0.8, or the radius of a round one such as 0.6.",
     ),
 ]
 Compare = Annotated[
@@ -114,7 +114,8 @@ Compare = Annotated[
         "--compare",
         metavar="TRAJ",
         help="Score this trajectory instead of designing one, or those of several "
-        "recordings together; may be given several times.",
+        "recordings together; may be given several times. With --limit, say what it "
+        "exceeds.",
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Random seed of the starts.", min=0)]
@@ -148,7 +149,9 @@ def excite(
     from orbident.trajectories.trajectory_file import numbered
 
     if compare:
-        _compare(oi.load_robot(robot), compare, like_paper, output)
+        _check_alone(recordings)
+        limits = _limits(limit or [])
+        _compare(oi.load_robot(robot), compare, like_paper, limits, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
@@ -204,7 +207,23 @@ def _designed(
     return made
 
 
-def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> None:
+def _check_alone(recordings: int) -> None:
+    if recordings > 1:
+        raise InputError(
+            f"--recordings {recordings}: --compare scores motions that exist, and "
+            "those of several recordings where TRAJ stands for several files; leave "
+            "--recordings out"
+        )
+
+
+def _compare(
+    robot: Any,
+    paths: list[Path],
+    like_paper: bool,
+    limits: dict[str, Any],
+    output: Any,
+) -> None:
+    from orbident.excitation.conditions import limits_of
     from orbident.excitation.scores import compare_trajectories
     from orbident.trajectories.trajectory_file import load_experiment
 
@@ -220,7 +239,9 @@ def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> No
         )
     experiments = [load_experiment(path) for path in paths]
     with progress("comparing"):
-        found = compare_trajectories(robot, experiments, basis)
+        within = limits_of(robot, **limits) if limits else None
+        found = compare_trajectories(robot, experiments, basis, within)
+    output.warn([words for exceeded in found.exceeded for words in exceeded])
     tables, document = compared(found)
     output.say(*tables)
     output.write_json(document)
@@ -272,11 +293,18 @@ def _limits(entries: list[str]) -> dict[str, Any]:
             numbers = [float(each) for each in value.split("x")]
         except ValueError:
             numbers = []
-        expected = 2 if name == "table" else 1
-        if name not in (*LIMITS, "table") or len(numbers) != expected:
+        most = 2 if name == "table" else 1
+        if name not in (*LIMITS, "table") or not 1 <= len(numbers) <= most:
             raise InputError(
                 f"--limit: found '{entry}'; give NAME=VALUE with a number in SI and "
-                f"NAME one of {', '.join(LIMITS)}, or table=WIDTHxDEPTH in m"
+                f"NAME one of {', '.join(LIMITS)}, or table=WIDTHxDEPTH or "
+                "table=RADIUS in m"
             )
-        limits[name] = tuple(numbers) if name == "table" else numbers[0]
+        limits[name] = _table(numbers) if name == "table" else numbers[0]
     return limits
+
+
+def _table(numbers: list[float]) -> Any:
+    from orbident.excitation.table_points import TableSize
+
+    return TableSize(*numbers) if numbers[1:] else TableSize(radius=numbers[0])

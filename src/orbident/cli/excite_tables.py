@@ -17,6 +17,12 @@ CRITERIA = {
 }
 
 
+BESIDE = {
+    "price": "times as wide by what may act",
+    "price_of_tolerances": "times as wide by tolerances",
+    "drift": "moved by what may act, m",
+}
+
 SINGULAR = 1e6
 """Condition number from which encoders, good to 1e-5 rad or so, hide parameters."""
 
@@ -108,6 +114,11 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
             f"{_number(scores['price'])} times as wide (of the best random motion: "
             f"{_number(made['price_of_random_start'])} times)"
         )
+    if scores["price_of_tolerances"] is not None:
+        lines.append(
+            "what may be off about instruments, within tolerances, makes them "
+            f"{_number(scores['price_of_tolerances'])} times as wide"
+        )
     rows = (
         (
             name,
@@ -127,6 +138,8 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     )
     if proven.get("table"):
         base += f"; {table_words(proven['table'])}"
+    if scores["drift"]:
+        base += f"\n{drift_words(scores['drift'])}"
     proof = ["", "proven for all times, with nominal inertia:", table, base]
     known = [KNOWN_AT_REST] if at_rest else []
     return [*lines, *proof, *known]
@@ -188,14 +201,20 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     from orbident.files.json_parts import nulled
 
     shown = dict(CRITERIA)
-    if any(score.price is not None for score in found.scores):
-        shown["price"] = "times as wide by what may act"
+    for key, words in BESIDE.items():
+        if any(getattr(score, key) is not None for score in found.scores):
+            shown[key] = words
     rows = (
         (words, *(Numeric(nulled(getattr(s, key)), ".4g") for s in found.scores))
         for key, words in shown.items()
     )
-    sizes = [size_of(sides) for sides in found.tables if sides]
-    rows = [*rows, *([("table, m", *sizes)] if sizes else [])]
+    sizes = [table for table in found.tables if table]
+    if sizes:
+        rows = [
+            *rows,
+            ("table, m", *map(sides_of, sizes)),
+            ("round table, radius in m", *(Numeric(t.radius, ".4g") for t in sizes)),
+        ]
     criteria = table_of("", ("criterion", *found.sources), rows)
     rows = (
         (
@@ -212,10 +231,16 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
                 "source": source,
                 "scores": {key: nulled(getattr(score, key)) for key in shown},
                 "std": nulled(deviations),
-                "table": sides and [nulled(side) for side in sides],
+                "table": table and [nulled(size) for size in table],
+                "exceeded": list(exceeded),
             }
-            for source, score, deviations, sides in zip(
-                found.sources, found.scores, found.deviations, found.tables, strict=True
+            for source, score, deviations, table, exceeded in zip(
+                found.sources,
+                found.scores,
+                found.deviations,
+                found.tables,
+                found.exceeded,
+                strict=True,
             )
         ],
         "parameters": list(found.parameters),
@@ -226,14 +251,25 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     return [first, "", criteria, "", title, parameters], document
 
 
-def table_words(sides: Any) -> str:
+def table_words(table: Any) -> str:
     """How large a table a motion needs; S and the arm stay on it."""
-    return f"needs {size_of(sides)} m of a table"
+    return (
+        f"needs {sides_of(table)} m of a table, or a round one of radius "
+        f"{_number(table[-1])} m"
+    )
 
 
-def size_of(sides: Any) -> str:
+def drift_words(drift: float) -> str:
+    """What a table needs beside what the motion needs."""
+    return (
+        f"what may act moves the robot by {drift:.2g} m on the table beside this (one "
+        "standard deviation)"
+    )
+
+
+def sides_of(table: Any) -> str:
     """Width and depth, m."""
-    width, depth = sides
+    width, depth, _ = table
     return f"{_number(width)} x {_number(depth)}"
 
 

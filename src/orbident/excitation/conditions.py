@@ -8,7 +8,12 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import Basis
 from orbident.excitation.floating import usual_initial
-from orbident.excitation.table_points import points_on_table
+from orbident.excitation.table_points import (
+    ANY_TABLE,
+    TABLE_SIZES,
+    TableSize,
+    points_on_table,
+)
 from orbident.files.bounds import LARGEST, SHORTEST, SMALLEST
 from orbident.model.kinematics import inertia
 from orbident.robot.couplings import coupled_joints
@@ -22,9 +27,6 @@ YEAR = 3.2e7
 
 MOST_HARMONICS = 100
 """The paper has three. With 40, one start of a search takes minutes."""
-
-SIDES = "table width", "table depth"
-"""Names of its sides along x and y."""
 
 FOLDED = 0.9
 """Share of a table on which an arm turns that has room left to move in."""
@@ -52,8 +54,8 @@ class Limits:
     """Angle of the base from its first attitude, rad."""
     wheel_speed: float = INFINITE
     """Speed of every wheel relative to the base, rad/s."""
-    table: tuple[float, float] = (INFINITE, INFINITE)
-    """Sides of the table along x and y, inertial axes, m."""
+    table: TableSize = ANY_TABLE
+    """On which S, the joints' origins and the tips of the last links stay."""
     impulse: float = INFINITE
     """Of all thrusters together, N s."""
 
@@ -64,7 +66,7 @@ def limits_of(
     base_rate: float = INFINITE,
     excursion: float = INFINITE,
     wheel_speed: float = INFINITE,
-    table: tuple[float, float] = (INFINITE, INFINITE),
+    table: TableSize = ANY_TABLE,
     impulse: float = INFINITE,
 ) -> Limits:
     """The limits in the robot file and its URDF, and those that neither can state.
@@ -77,8 +79,7 @@ def limits_of(
         base_rate: norm of the base's angular velocity, rad/s.
         excursion: angle of the base from its first attitude, rad.
         wheel_speed: of every wheel relative to the base, rad/s.
-        table: its sides along x and y, on which S, the joints' origins and the tips
-            of the last links stay, m.
+        table: on which S, the joints' origins and the tips of the last links stay.
         impulse: of all thrusters together, N s; where pulses are designed, as of a
             robot without joints.
 
@@ -110,7 +111,7 @@ def limits_of(
         "excursion": excursion,
         "wheel speed": wheel_speed,
         "impulse": impulse,
-        **dict(zip(SIDES, table, strict=True)),
+        **dict(zip(TABLE_SIZES, table, strict=True)),
     }
     for name, value in further.items():
         if not (SMALLEST <= value <= LARGEST or value == INFINITE):
@@ -265,6 +266,7 @@ def _folded(robot: Robot, limits: Limits) -> Float[np.ndarray, " joints"]:
         robot, q, np.tile(np.eye(3), (POSES, 1, 1)), -inertia(robot, q).r_cm
     )
     circle = 2 * np.linalg.norm(points, axis=2).max(axis=1)
-    fits = circle < FOLDED * min(limits.table)
+    width, depth, radius = limits.table
+    fits = circle < FOLDED * min(width, depth, 2 * radius)
     from_stops = (0.5 - np.abs(share - 0.5))[:, free].min(axis=1)
     return q[np.where(fits, from_stops, -circle).argmax()]

@@ -12,11 +12,11 @@ from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import OBJECTIVES, Objective
 from orbident.excitation.design_problem import problem_for
-from orbident.excitation.guarantee import Proven, floated, proven_within
+from orbident.excitation.guarantee import Flown, Proven, floated, proven_within
 from orbident.excitation.information import weights_of
 from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
 from orbident.excitation.outside_changes import anything_may_act
-from orbident.excitation.scores import CriterionValues, Flown, information_of, scores_of
+from orbident.excitation.scores import CriterionValues, information_of, scores_of
 from orbident.excitation.search import (
     Effort,
     Feasible,
@@ -268,7 +268,7 @@ def _space(
     given: Conditions,
     objective: Objective,
     uncertainty: float,
-    known: Float[np.ndarray, "unknowns unknowns"] | float,
+    known: Float[np.ndarray, "common common"] | float,
 ) -> SearchSpace:
     problem = problem_for(robot, given, objective, uncertainty, known)
     steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * problem.motions.harmonics)

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import minimize
 
-from orbident.excitation.conditions import SIDES, Conditions, Limits
+from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.criterion import (
     Basis,
     Objective,
@@ -32,9 +32,19 @@ from orbident.excitation.floating import (
     nutation,
     was_at_rest,
 )
-from orbident.excitation.information import Information, Sensing, sensing_of
+from orbident.excitation.information import (
+    Information,
+    Sensing,
+    of_parameters,
+    sensing_of,
+)
 from orbident.excitation.joint_limits import JointMotions, Polytope, joint_motions
-from orbident.excitation.table_points import add_points, points_on_table
+from orbident.excitation.table_points import (
+    TABLE_SIZES,
+    add_points,
+    points_on_table,
+    use_of_table,
+)
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
@@ -95,7 +105,7 @@ class DesignProblem:
     sensing: Sensing | None
     """None for the objective cond."""
     at_rest: bool
-    known: Float[np.ndarray, "unknowns unknowns"] | float
+    known: Float[np.ndarray, "common common"] | float
     """Information that other recordings give; zero without any."""
 
     @property
@@ -106,7 +116,7 @@ class DesignProblem:
             "excursion": self.limits.excursion < np.pi,
             "wheel speed": self.limits.wheel_speed < np.inf
             and self.crafts[0].wheels.free.size > 0,
-            **{name: self.limits.table[k] < np.inf for k, name in enumerate(SIDES)},
+            **{name: size < np.inf for name, size in self._table.items()},
         }
         return tuple(name for name, there in finite.items() if there)
 
@@ -200,9 +210,10 @@ class DesignProblem:
             add_Y_hat(f, by_rows, pi_of, axes, self.at_rest)
         else:
             information = Information(self.sensing, motion, self.at_rest)
-            spectrum = spectrum_of(information.F + self.known)
+            F, left = of_parameters(self.sensing, information.F + self.known)
+            spectrum = spectrum_of(F)
             value = log_criterion(self.objective, spectrum.l, p)
-            information.add(f, by_matrix(spectrum, value.by_l))
+            information.add(f, left @ by_matrix(spectrum, value.by_l) @ left.T)
         return (value.smooth, value.exact), f
 
     @property
@@ -240,39 +251,34 @@ class DesignProblem:
     ) -> tuple[float, Float[np.ndarray, "free m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
-        most, shares = smooth_maximum(uses, LIMITS_POWER)
-        if name in SIDES:
-            # Where on the table the robot begins is free.
-            least, of_least = smooth_maximum(-uses, LIMITS_POWER)
-            size = most + least
-            most, shares = size**2, 2 * size * (shares - of_least)
+        if name in TABLE_SIZES:
+            size = self._table[name] * (1 - OFF_THE_EDGE)
+            most, by_uses = use_of_table(name, size, uses, LIMITS_POWER)
+        else:
+            most, by_uses = smooth_maximum(uses, LIMITS_POWER)
         shape = len(self.motions.scale), self.motions.basis[0].shape[1]
         gradient = np.zeros(shape)
-        for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
+        for craft, motion, by_use in zip(self.crafts, motions, by_uses, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
             gradient += self._pulled_back(craft, q, qd, f)
         return most, gradient
 
-    def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses"]:
-        """The square of the share of a limit, node by node.
-
-        Of a table, where each point is, over its side.
-        """
+    def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses ..."]:
+        """The square of the share of a limit, node by node; of a table, the points."""
         if name == "base rate":
             return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
         if name == "wheel speed":
             return (motion.qd_rw / self.limits.wheel_speed) ** 2
-        if name in SIDES:
-            axis, robot = SIDES.index(name), motion.craft.robot
-            points = points_on_table(robot, motion.q, motion.R, motion.r_S)
-            return points[:, :, axis] / self._side(axis)
+        if name in TABLE_SIZES:
+            robot = motion.craft.robot
+            return points_on_table(robot, motion.q, motion.R, motion.r_S)
         # sin^2 of half the angle: (3 - tr R_0^T R) / 4.
         trace = np.einsum("ij,nij->n", motion.R[0], motion.R)[:, None]
         return (3 - trace) / 4 / np.sin(self.limits.excursion / 2) ** 2
 
     def _add_use(
-        self, f: Gradient, name: str, by_use: Float[np.ndarray, "n uses"]
+        self, f: Gradient, name: str, by_use: Float[np.ndarray, "n uses ..."]
     ) -> None:
         motion = f.motion
         if name == "base rate":
@@ -281,17 +287,15 @@ class DesignProblem:
             by_speed = by_use * 2 * motion.qd_rw / self.limits.wheel_speed**2
             wheels = self.crafts[0].wheels
             f.w -= (by_speed * wheels.free) @ wheels.axes.T
-        elif name in SIDES:
-            axis = SIDES.index(name)
-            by_points = np.zeros((*by_use.shape, len(SIDES)))
-            by_points[:, :, axis] = by_use / self._side(axis)
-            add_points(f, by_points)
+        elif name in TABLE_SIZES:
+            add_points(f, by_use)
         else:
             scale = 4 * np.sin(self.limits.excursion / 2) ** 2
             f.R -= by_use[:, :, None] * motion.R[0] / scale
 
-    def _side(self, axis: int) -> float:
-        return self.limits.table[axis] * (1 - OFF_THE_EDGE)
+    @property
+    def _table(self) -> dict[str, float]:
+        return dict(zip(TABLE_SIZES, self.limits.table, strict=True))
 
 
 def problem_for(
@@ -299,7 +303,7 @@ def problem_for(
     given: Conditions,
     objective: Objective,
     uncertainty: float,
-    known: Float[np.ndarray, "unknowns unknowns"] | float = 0.0,
+    known: Float[np.ndarray, "common common"] | float = 0.0,
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 

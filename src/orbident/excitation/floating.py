@@ -16,7 +16,7 @@ from orbident import _core
 from orbident.model.core_robot import Wheels, core_robot, wheels_of
 from orbident.model.kinematics import Inertia, inertia, inertia_at, momentum_regressors
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
@@ -66,11 +66,15 @@ class NodalMotion:
 
     @cached_property
     def _v_from_cm(self) -> Float[np.ndarray, "n 3"]:
-        """`R_0 W phi` (Eq. 29)."""
+        return rotate(self.R, self.v_B)
+
+    @cached_property
+    def v_B(self) -> Float[np.ndarray, "n 3"]:
+        """The velocity of S seen from the CM, base axes, m/s: `W phi` (Eq. 29)."""
         sets = self.craft.sets
         v = np.zeros_like(self.w)
         v[:, sets.regressors.velocity_axes] = self.W @ sets.phi(self.craft.robot.theta)
-        return rotate(self.R, v)
+        return v
 
     @cached_property
     def qd_rw(self) -> Float[np.ndarray, "n wheels"]:
@@ -106,7 +110,8 @@ class Gradient:
     W: Float[np.ndarray, "n v phi"] = field(init=False)
     w: Float[np.ndarray, "n 3"] = field(init=False)
     q: Float[np.ndarray, "n joints"] = field(init=False)
-    """Only what depends on `q` beside the others."""
+    """Only what depends on `q` beside the others, as of `qd`."""
+    qd: Float[np.ndarray, "n joints"] = field(init=False)
     R: Float[np.ndarray, "n 3 3"] = field(init=False)
     E: Float[np.ndarray, "n 3 3"] = field(init=False)
     r_cm: Float[np.ndarray, "n 3"] = field(init=False)
@@ -114,8 +119,20 @@ class Gradient:
     def __post_init__(self) -> None:
         self.Y, self.W = np.zeros_like(self.motion.Y), np.zeros_like(self.motion.W)
         self.w, self.r_cm = np.zeros((2, len(self.motion.w), 3))
-        self.q = np.zeros_like(self.motion.q)
+        self.q, self.qd = np.zeros((2, len(self.motion.q), self.motion.q.shape[1]))
         self.R, self.E = np.zeros((2, len(self.motion.w), 3, 3))
+
+    def add_v_S(self, by: Float[np.ndarray, "n 3"]) -> None:
+        """Adds the gradient, from that with respect to `motion.v_S`."""
+        motion = self.motion
+        self.R += by[:, :, None] * motion.v_B[:, None]
+        self.add_v_B(rotate_back(motion.R, by))
+
+    def add_v_B(self, by: Float[np.ndarray, "n 3"]) -> None:
+        """Adds the gradient, from that with respect to `motion.v_B`."""
+        sets, robot = self.motion.craft.sets, self.motion.craft.robot
+        axes = list(sets.regressors.velocity_axes)
+        self.W += by[:, axes, None] * sets.phi(robot.theta)
 
     @property
     def turn(self) -> Float[np.ndarray, "n 3"]:
@@ -172,6 +189,8 @@ class Craft:
     wheels: Wheels
     spin: Float[np.ndarray, " wheels"]
     """Speeds of the wheels where the base does not turn, rad/s."""
+    h_cm: Float[np.ndarray, "3"]
+    """Inertial axes, N m s."""
     velocity: Float[np.ndarray, "3"]
     """Of S at the start, inertial axes, m/s."""
     floating: _core.Floating
@@ -231,6 +250,7 @@ class Craft:
             processors(),
         )
         by_q[::2] += f.q
+        by_qd[::2] += f.qd
         return by_q, by_qd
 
 
@@ -263,7 +283,7 @@ def craft_of(
         h_cm=h_cm,
         x_WB=np.array(initial.attitude),
     )
-    return Craft(robot, sets, wheels, spin, initial.velocity, floating)
+    return Craft(robot, sets, wheels, spin, h_cm, initial.velocity, floating)
 
 
 def _all_axes(

@@ -37,9 +37,14 @@ from jaxtyping import Float
 
 from orbident.environment.motion import heavy_bodies
 from orbident.errors import InputError
-from orbident.excitation.conditions import SIDES, Conditions, Limits
+from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
-from orbident.excitation.table_points import points_on_table
+from orbident.excitation.table_points import (
+    TABLE_SIZES,
+    TableSize,
+    centre_of,
+    points_on_table,
+)
 from orbident.model.core_robot import wheels_of
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.rotor_momentum import rotors_of
@@ -56,8 +61,15 @@ from orbident.trajectories.trajectory import Trajectory
 
 NODES = 4001
 
+ROUND = 1e5
+"""Power for the centre of a round table: its radius is 0.01 % above the least."""
+
 LEAST_INERTIA = 1e-12
 """kg m^2: a massless base cannot bound the inertia, and nothing is proven then."""
+
+
+Flown = tuple[Trajectory, FreeFloating]
+"""A trajectory for a robot, rows in its order, and the motion along it."""
 
 
 class Extremes(NamedTuple):
@@ -79,8 +91,8 @@ class BaseExtremes(NamedTuple):
     """Angle from the first attitude, rad; at most pi."""
     wheel_speed: float
     """Speed of the fastest wheel, rad/s."""
-    table: tuple[float, float] | None
-    """Sides of the smallest table along x and y, m; None in space."""
+    table: TableSize | None
+    """The smallest table; None in space."""
 
 
 class _Carried(NamedTuple):
@@ -133,7 +145,7 @@ def base_extremes_of(
     """
     t = motion.t
     planar = robot.motion == "planar"
-    table = (np.inf, np.inf) if planar else None
+    table = TableSize() if planar else None
     least = _least_inertia(robot)
     if least <= LEAST_INERTIA:
         return BaseExtremes(np.inf, np.inf, np.inf, table)
@@ -165,7 +177,7 @@ def base_extremes_of(
 
 def _smallest_table(
     robot: Robot, motion: FreeFloating, carried: _Carried, rate: float, change: float
-) -> tuple[float, float]:
+) -> TableSize:
     points = points_on_table(
         robot, motion.q, quaternion_matrix(motion.attitude), motion.r_S
     )
@@ -180,7 +192,10 @@ def _smallest_table(
     bent = share * float(((change + rate**2) * D + 2 * rate * V + A).max())
     beyond = bent * motion.t[1] ** 2 / 8 + 2 * motion.attitude_error * D.max()
     width, depth = np.ptp(points, axis=(0, 1)) + 2 * beyond
-    return float(width), float(depth)
+    largest = float(np.max([width, depth]))
+    off = points - largest * centre_of(points.reshape(-1, 2) / largest, ROUND)
+    radius = np.linalg.norm(off, axis=2).max() + beyond
+    return TableSize(float(width), float(depth), float(radius))
 
 
 def _least_inertia(robot: Robot) -> float:
@@ -296,8 +311,8 @@ def proven_within(
 
 def smallest_table(
     robot: Robot, trajectory: Trajectory, motion: FreeFloating
-) -> tuple[float, float] | None:
-    """Sides along x and y of the smallest table that holds a motion, m.
+) -> TableSize | None:
+    """The smallest table that holds a motion.
 
     Args:
         robot: with its nominal inertia.
@@ -308,6 +323,20 @@ def smallest_table(
         None in space, and infinite where nothing can be proven.
     """
     return base_extremes_of(robot, motion, extremes_of(trajectory)).table
+
+
+def broken_limit(robot: Robot, flown: Flown, limits: Limits) -> str:
+    """What limit a motion may exceed at some time; empty where it keeps to all.
+
+    Args:
+        robot: with its nominal inertia.
+        flown: a trajectory for this robot, and `floated` along it.
+        limits: of joints, base and table.
+    """
+    trajectory, motion = flown
+    joints = extremes_of(trajectory)
+    base = base_extremes_of(robot, motion, joints)
+    return _broken_by_joints(joints, limits) or _broken_by_base(base, limits)
 
 
 def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
@@ -345,7 +374,7 @@ def _broken_by_base(base: BaseExtremes, limits: Limits) -> str:
         ("base rate", base.rate, limits.base_rate),
         ("excursion", base.excursion, limits.excursion),
         ("wheel speed", base.wheel_speed, limits.wheel_speed),
-        *zip(SIDES, base.table or (), limits.table, strict=False),
+        *zip(TABLE_SIZES, base.table or (), limits.table, strict=False),
     ):
         # An excursion of pi is as far as there is.
         if found > limit and not (name == "excursion" and limit >= np.pi):

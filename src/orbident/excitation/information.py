@@ -8,17 +8,22 @@ conservation predicts, to first order in `beta = [M, sigma, iota]`,
 
 A gyro sees `w`, an accelerometer the changes of `v_S`, a star tracker or motion capture
 the integral of `w`, and motion capture that of `v_S`; each with white noise and an
-unknown constant. Momenta and constants are eliminated.
+unknown constant. Momenta and constants are eliminated, and so are what acts from
+outside and errors of instruments, whose columns are known to a deviation beforehand.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import rest_std
+from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.estimation.unknowns import Unknown
 from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import (
     Gradient,
@@ -29,6 +34,7 @@ from orbident.excitation.floating import (
     running_integral,
     running_integral_transposed,
 )
+from orbident.excitation.instrument_changes import InstrumentChanges
 from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
 from orbident.model.dependencies import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
@@ -57,6 +63,8 @@ class Sensing:
     """Axes in which linear momentum is conserved."""
     acting: bool
     """Whether anything may act from outside."""
+    errors: tuple[Unknown, ...]
+    """Of instruments and geometry, with their deviations beforehand."""
 
 
 def weights_of(sensors: SensorsSpec) -> dict[str, float]:
@@ -94,6 +102,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
         regressors.momentum_axes,
         regressors.velocity_axes,
         anything_may_act(robot),
+        tuple(each for each in calibrations_of(robot, weights) if each.std),
     )
 
 
@@ -121,7 +130,8 @@ class SensedChanges:
     """What sensors see of changes of the unknowns and of `h_cm`, side by side.
 
     The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns',
-    and from `first` on they are those of what may act, each at its deviation.
+    then come those of errors of instruments, and from `first` on they are those of what
+    may act, both at their deviations.
     """
 
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
@@ -129,11 +139,15 @@ class SensedChanges:
         h, v = sensing.h, sensing.v
         self.sensing, self.motion = sensing, motion
         self.outside = OutsideChanges(motion) if sensing.acting else None
+        self.instruments = InstrumentChanges(sensing.errors, motion)
+        u = sensing.pi_of.shape[1]
+        self.errors = slice(u, u + len(sensing.errors))
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
         self.E = block(motion.E, h, h)
         self.lever = block(cross_matrix(motion.r_cm), v, h)
         # R_0^T dh_cm - Y dpi.
         change, R_T = [-(motion.Y @ sensing.pi_of)], np.swapaxes(self.R_h, 1, 2)
+        change.append(self.instruments.dh[:, h])
         self.h_std = np.full(len(h), np.inf)
         if at_rest:
             self.h_std = _stillness(motion)[list(h)]
@@ -144,11 +158,14 @@ class SensedChanges:
         if self.outside:
             change.append(R_T @ self.outside.h[:, h])
         self.dh = np.concatenate(change, axis=2)
-        self.dw = self.E @ self.dh
-        W = motion.W @ sensing.phi_of
-        self.dv_B = self.lever @ self.dw
-        self.dv_B[:, :, : W.shape[2]] += W
-        self.dv = self.felt = self.R_v @ self.dv_B
+        # What momentum conservation makes of them; a clock's `w` is beside it.
+        self.by_h = self.E @ self.dh
+        self.dv_B = self.lever @ self.by_h
+        self.dv_B[:, :, :u] += motion.W @ sensing.phi_of
+        self.dv_B[:, :, self.errors] += self.instruments.dv_B[:, v]
+        self.dw, self.dv = self.by_h.copy(), self.R_v @ self.dv_B
+        self.dw[:, :, self.errors] += self.instruments.dw[:, h]
+        self.felt = self.dv
         if self.outside:
             self.felt = self.dv.copy()
             self.dv[:, :, self.first :] += self.outside.v[:, v]
@@ -156,11 +173,12 @@ class SensedChanges:
 
     def rows(self, sensor: str) -> Rows:
         """What one sensor sees, then of its own constants."""
-        n, dt = len(self.dw), self.motion.dt
+        n, dt, axes = len(self.dw), self.motion.dt, self._axes(sensor)
         own, dw, dv = np.eye(self.R_v.shape[1]), self.dw, self.dv
         if sensor in ("gyro", "attitude"):
             own = np.eye(self.R_h.shape[1])
-            seen = dw if sensor == "gyro" else running_integral(self.R_h @ dw, dt)
+            seen = running_integral(self.R_h @ dw, dt)
+            seen = dw.copy() if sensor == "gyro" else seen
         elif sensor == "accelerometer":
             seen, own = np.diff(self.felt, axis=0) / dt, self.R_v[1:]
         else:
@@ -168,13 +186,37 @@ class SensedChanges:
             t = dt * np.arange(n)[:, None, None]
             seen = running_integral(dv, dt)
             own = np.concatenate([t * own, own + 0 * t], 2)
+        if sensor != "accelerometer":
+            seen[:, :, self.errors] += self.instruments.shown(sensor)[:, axes]
         own = np.broadcast_to(own, (len(seen), *own.shape[-2:]))
         return np.concatenate([seen, own], axis=2)
 
-    def add(self, f: Gradient, sensor: str, by_rows: Rows) -> None:
-        """Adds the gradient, from that with respect to `rows`."""
+    def add(self, f: Gradient, by_rows: Mapping[str, Rows]) -> None:
+        """Adds the gradient, from that with respect to `rows` of each sensor."""
+        shape = 2, len(self.dw), 3, len(self.sensing.errors)
+        self._by_dh, self._by_dv_B = np.zeros(shape)
+        for sensor, by in by_rows.items():
+            self._add(f, sensor, by)
+        self.instruments.add_momenta(f, self._by_dh, self._by_dv_B)
+
+    def _axes(self, sensor: str) -> tuple[int, ...]:
+        turns = sensor in ("gyro", "attitude")
+        return self.sensing.h if turns else self.sensing.v
+
+    def _of_errors(
+        self, by: Rows, axes: tuple[int, ...]
+    ) -> Float[np.ndarray, "n 3 errors"]:
+        """The columns of the errors, with all three axes."""
+        whole = np.zeros((len(by), 3, len(self.sensing.errors)))
+        whole[:, axes] = by[:, :, self.errors]
+        return whole
+
+    def _add(self, f: Gradient, sensor: str, by_rows: Rows) -> None:
         columns, dt, sensing = self.dw.shape[2], self.motion.dt, self.sensing
         by, by_own = by_rows[:, :, :columns], by_rows[:, :, columns:]
+        if sensor != "accelerometer":
+            shown = self._of_errors(by, self._axes(sensor))
+            self.instruments.add_shown(f, sensor, shown)
         if sensor == "gyro":
             self._add_dw(f, by)
         elif sensor == "attitude":
@@ -189,26 +231,32 @@ class SensedChanges:
             self._add_dv(f, running_integral_transposed(by, dt))
 
     def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
-        """`dv = R_v (W dphi + lever dw) + dv_cm`."""
+        """`dv = R_v (W dphi + dv_B + lever by_h) + dv_cm`."""
         sensing = self.sensing
         if self.outside:
             self.outside.add_v(f, by_dv[:, :, self.first :])
         _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
+        self._by_dv_B += self._of_errors(by, sensing.v)
         by_lever = np.zeros_like(f.R)
-        _add(by_lever, sensing.v, sensing.h, by @ np.swapaxes(self.dw, 1, 2))
+        _add(by_lever, sensing.v, sensing.h, by @ np.swapaxes(self.by_h, 1, 2))
         f.r_cm += axial(by_lever)
-        self._add_dw(f, np.swapaxes(self.lever, 1, 2) @ by)
+        self._add_by_h(f, np.swapaxes(self.lever, 1, 2) @ by)
 
     def _add_dw(self, f: Gradient, by_dw: Rows) -> None:
-        """`dw = E [-Y dpi, R_h^T dh_cm]`."""
+        self.instruments.add_dw(f, self._of_errors(by_dw, self.sensing.h))
+        self._add_by_h(f, by_dw)
+
+    def _add_by_h(self, f: Gradient, by_dw: Rows) -> None:
+        """`dw = E [-Y dpi, dh, R_h^T dh_cm]`."""
         sensing, u = self.sensing, self.sensing.pi_of.shape[1]
         _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
-        if self.first > u:
-            by_R = np.swapaxes(by[:, :, u : self.first], 1, 2)
+        self._by_dh += self._of_errors(by, sensing.h)
+        if self.first > self.errors.stop:
+            by_R = np.swapaxes(by[:, :, self.errors.stop : self.first], 1, 2)
             _add(f.R, sensing.h, sensing.h, by_R)
         if self.outside:
             own = by[:, :, self.first :]
@@ -218,7 +266,9 @@ class SensedChanges:
 
 
 class Information:
-    """The information that a motion gives of the unknowns, nuisances eliminated.
+    """What a motion tells of unknowns and errors of instruments; others are eliminated.
+
+    What is known of the errors beforehand is not in it: recordings have them in common.
 
     Args:
         sensing: what is measured.
@@ -236,7 +286,7 @@ class Information:
             own = np.arange(size, size + rows.shape[2] - common)
             self._columns[sensor] = np.concatenate([np.arange(common), own])
             size += own.size
-        u, F = sensing.pi_of.shape[1], np.zeros((size, size))
+        u, F = self._seen.errors.stop, np.zeros((size, size))
         acting = slice(self._seen.first, common)
         apart = self._apart(acting) if self._seen.outside else np.eye(0)
         for sensor, rows in self._rows.items():
@@ -257,7 +307,7 @@ class Information:
         F_nu = F[u:, :u] * scale[:, None]
         by_nuisance = np.linalg.solve(F[u:, u:] * scale[:, None] * scale, F_nu)
         left = F[:u, :u] - F_nu.T @ by_nuisance
-        self.F: Float[np.ndarray, "unknowns unknowns"] = (left + left.T) / 2
+        self.F: Float[np.ndarray, "common common"] = (left + left.T) / 2
         self._left = np.vstack([np.eye(u), -scale[:, None] * by_nuisance])
         self._left[acting] = apart @ self._left[acting]
 
@@ -278,16 +328,40 @@ class Information:
     def _weight(self, sensor: str) -> float:
         return self._seen.sensing.weights[sensor] * self._seen.motion.dt
 
-    def add(self, f: Gradient, by_F: Float[np.ndarray, "unknowns unknowns"]) -> None:
+    def add(self, f: Gradient, by_F: Float[np.ndarray, "common common"]) -> None:
         """Adds the gradient, from that with respect to `F`."""
+        by_rows = {}
         for sensor, rows in self._rows.items():
             left = self._left[self._columns[sensor]]
-            by_rows = 2 * self._weight(sensor) * (rows @ left) @ by_F @ left.T
-            self._seen.add(f, sensor, by_rows)
+            by_rows[sensor] = 2 * self._weight(sensor) * (rows @ left) @ by_F @ left.T
+        self._seen.add(f, by_rows)
         if self._seen.outside:
             # A size that grows by a part takes twice that from its prior's weight.
             left = self._left[self._seen.first : self._seen.dw.shape[2]]
             self._seen.outside.add_sizes(f, -2 * np.sum(left @ by_F * left, axis=1))
+
+
+class OfParameters(NamedTuple):
+    """The information of the unknowns alone."""
+
+    F: Float[np.ndarray, "unknowns unknowns"]
+    left: Float[np.ndarray, "common unknowns"]
+    """The gradient by that of unknowns and errors is `left by_F left^T`."""
+
+
+def of_parameters(
+    sensing: Sensing, F: Float[np.ndarray, "common common"]
+) -> OfParameters:
+    """Eliminate the errors of instruments, which have a deviation of one beforehand.
+
+    Args:
+        sensing: what is measured.
+        F: the sum of `Information.F` of all recordings.
+    """
+    u = sensing.pi_of.shape[1]
+    by_error = np.linalg.solve(F[u:, u:] + np.eye(len(F) - u), F[u:, :u])
+    left = F[:u, :u] - F[:u, u:] @ by_error
+    return OfParameters((left + left.T) / 2, np.vstack([np.eye(u), -by_error]))
 
 
 def _stillness(motion: NodalMotion) -> Float[np.ndarray, "3"]:

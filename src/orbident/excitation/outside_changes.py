@@ -26,7 +26,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.agent import Disturbance
-from orbident.environment.agents import AGENTS, FILM, STEADY, std_of
+from orbident.environment.agents import AGENTS, FILM, FREE, STEADY, std_of
 from orbident.environment.motion import PointMotion, RobotMotion
 from orbident.environment.worlds import (
     Scale,
@@ -38,13 +38,12 @@ from orbident.estimation.output_error.acting import at_nodes
 from orbident.excitation.floating import (
     Gradient,
     NodalMotion,
-    block,
     running_integral,
     running_integral_transposed,
 )
 from orbident.excitation.table_points import add_point
 from orbident.model.kinematics import carrying_joints
-from orbident.model.rotations import rotate, rotate_back
+from orbident.model.rotations import rotate
 from orbident.robot.description import Robot
 from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import cross_matrix
@@ -149,6 +148,16 @@ class OutsideChanges:
             for group in groups
         }
 
+    @property
+    def drift(self) -> float:
+        """How far along an axis what has a size moves the robot at most, m.
+
+        It is one standard deviation; what may be anything has no size.
+        """
+        sized = self._all_stds < FREE
+        moved = running_integral(self.v[..., sized], self._at.t[1] - self._at.t[0])
+        return float(np.sqrt(np.sum(moved**2, axis=2)).max())
+
     def add_v(self, f: Gradient, by_v: Float[np.ndarray, "n v numbers"]) -> None:
         """Adds the gradient, from that with respect to `v`."""
         by_v = by_v[:, :, self._first :]
@@ -182,7 +191,7 @@ class OutsideChanges:
         """Adds the gradient, from that with respect to the logarithms of all sizes."""
         for name, value, add in (
             ("h", self._scale.h, _add_scale_h),
-            ("v", self._scale.v, _add_scale_v),
+            ("v", self._scale.v, lambda f, by: f.add_v_S(by * f.motion.v_S)),
         ):
             doubled = self._scale._replace(**{name: 2 * value})
             allowed = what_may_act(self._at.robot, doubled)
@@ -244,16 +253,6 @@ def _add_scale_h(f: Gradient, by: float) -> None:
     by_speed = by * (motion.qd_rw @ wheels.A_rw.T) @ wheels.A_rw
     f.w -= (by_speed * wheels.free) @ wheels.axes.T
     f.w += by * (robot.mass * radius_of_gyration(robot) ** 2) ** 2 * motion.w
-
-
-def _add_scale_v(f: Gradient, by: float) -> None:
-    """The same by that of `v_S`, in which `R_0 W phi` is what the joints change."""
-    motion, sets = f.motion, f.motion.craft.sets
-    axes, phi = sets.regressors.velocity_axes, sets.phi(motion.craft.robot.theta)
-    own = block(f.R, axes, axes)
-    own += by * motion.v_S[:, axes, None] * (motion.W @ phi)[:, None]
-    by_W = rotate_back(motion.R, by * motion.v_S)[:, axes]
-    f.W += by_W[:, :, None] * phi
 
 
 def _robot_motion(motion: NodalMotion, scale: Scale) -> RobotMotion:

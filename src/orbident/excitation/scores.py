@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.excitation.conditions import Limits
 from orbident.excitation.criterion import (
     Basis,
     Objective,
@@ -17,13 +18,21 @@ from orbident.excitation.criterion import (
     spectrum_of,
 )
 from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
-from orbident.excitation.guarantee import floated, smallest_table
+from orbident.excitation.guarantee import (
+    Flown,
+    broken_limit,
+    floated,
+    smallest_table,
+)
 from orbident.excitation.information import (
     Information,
     Sensing,
+    of_parameters,
     sensing_of,
     weights_of,
 )
+from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
+from orbident.excitation.table_points import TableSize
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
@@ -34,10 +43,6 @@ DETERMINED = 1e-13
 
 EVERY = 4
 """So many samples of a motion are one of its score."""
-
-
-Flown = tuple[Trajectory, FreeFloating]
-"""A trajectory for a robot, rows in its order, and the motion along it."""
 
 
 class Bounds(NamedTuple):
@@ -68,7 +73,12 @@ class CriterionValues(NamedTuple):
     price: float | None
     """Of not knowing what acts from outside: by how much deviations of the base
     parameters grow, as a geometric mean; None where nothing may act."""
+    price_of_tolerances: float | None
+    """The same of what may be off about instruments; None where all are exact."""
     deviations: Bounds | None
+    drift: float | None
+    """How far what may act moves a robot on its table in a recording, one standard
+    deviation, m; None in space or where nothing may act."""
 
 
 def scores_of(
@@ -76,7 +86,8 @@ def scores_of(
 ) -> CriterionValues:
     """Score a motion by every criterion, or the motions of several recordings together.
 
-    Parameters are common to all recordings, and all else is each one's own.
+    Parameters and errors of instruments are common to all recordings, and all else is
+    each one's own.
 
     d, a and e are of the free-flying base parameters, in units in which random motion
     shows all alike; so they depend on no choice of basis.
@@ -99,16 +110,18 @@ def scores_of(
         F = F if eigenvalues[0] > DETERMINED * eigenvalues[-1] else None
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
-    price = deviations = None
+    price = of_tolerances = deviations = drift = None
+    if anything_may_act(robot) and robot.motion == "planar":
+        drift = max(OutsideChanges(motion).drift for motion, _ in seen)
     if F is not None and sensing is not None and whole:
         beta, pi, phi = (
             _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
         )
         deviations = Bounds(float(beta[0]), pi, phi)
         if sensing.acting:
-            alone = _sum(replace(sensing, acting=False), seen)
-            growth = beta / _std(sensing.beta_of, alone)
-            price = float(np.exp(np.log(growth).mean()))
+            price = _growth(beta, replace(sensing, acting=False), seen)
+        if sensing.errors:
+            of_tolerances = _growth(beta, replace(sensing, errors=()), seen)
     return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
@@ -116,7 +129,9 @@ def scores_of(
         cond_W_normalised=_condition(W / _norms(W)),
         **{name: None if F is None else _value(name, F) for name in ("d", "a", "e")},
         price=price,
+        price_of_tolerances=of_tolerances,
         deviations=deviations,
+        drift=drift,
     )
 
 
@@ -139,13 +154,27 @@ def _seen(
 def _sum(
     sensing: Sensing, seen: list[tuple[NodalMotion, bool]]
 ) -> Float[np.ndarray, "u u"]:
-    return np.sum([Information(sensing, *each).F for each in seen], axis=0)
+    """What recordings tell of the parameters, with errors within their tolerances."""
+    F = np.sum([Information(sensing, *each).F for each in seen], axis=0)
+    return of_parameters(sensing, F).F
+
+
+def _growth(
+    std: Float[np.ndarray, " beta"],
+    without: Sensing,
+    seen: list[tuple[NodalMotion, bool]],
+) -> float:
+    """By how much deviations grow, beside those with less unknown."""
+    growth = std / _std(without.beta_of, _sum(without, seen))
+    return float(np.exp(np.log(growth).mean()))
 
 
 def information_of(
     robot: Robot, flown: Sequence[Flown]
-) -> Float[np.ndarray, "unknowns unknowns"]:
-    """What recordings tell of the parameters, in the units of `sensing_of`.
+) -> Float[np.ndarray, "common common"]:
+    """What recordings tell of parameters and errors of instruments.
+
+    They are in the units of `sensing_of` and at their deviations.
 
     Args:
         robot: with its nominal inertia.
@@ -155,7 +184,9 @@ def information_of(
         InputError: the robot file has no sensor of the base's motion.
     """
     sets = minimal_sets(robot)
-    return _sum(sensing_of(robot, sets), [_seen(robot, sets, *each) for each in flown])
+    sensing = sensing_of(robot, sets)
+    seen = (_seen(robot, sets, *each) for each in flown)
+    return np.sum([Information(sensing, *each).F for each in seen], axis=0)
 
 
 def _condition(rows: Float[np.ndarray, "m n"]) -> float:
@@ -190,14 +221,17 @@ class Scorecard(NamedTuple):
     nominal: Float[np.ndarray, " parameters"]
     deviations: Float[np.ndarray, "trajectories parameters"]
     """Predicted standard deviations; NaN where not all is determined."""
-    tables: tuple[tuple[float, float] | None, ...]
+    tables: tuple[TableSize | None, ...]
     """As of `smallest_table`."""
+    exceeded: tuple[tuple[str, ...], ...]
+    """Which of each one's motions do not keep to a limit, in words."""
 
 
 def compare_trajectories(
     robot: Robot,
     experiments: Sequence[Sequence[Trajectory]],
     basis: Basis | None = None,
+    limits: Limits | None = None,
 ) -> Scorecard:
     """Score experiments, with the nominal inertia and the robot file's sensors.
 
@@ -205,6 +239,7 @@ def compare_trajectories(
         robot: with its nominal inertia.
         experiments: the trajectories of each one's recordings, with initial states.
         basis: of the condition numbers; the automatic one by default.
+        limits: that the motions are to keep; none by default.
 
     Raises:
         InputError: a trajectory is not for this robot, or the base turns too fast.
@@ -214,14 +249,22 @@ def compare_trajectories(
     names = ["M"]
     names += [f"pi_{i + 1}" for i in range(pi.size)]
     names += [f"phi_{i + 1}" for i in range(phi.size)]
-    scores, deviations, tables = [], [], []
+    scores, deviations, tables, exceeded = [], [], [], []
     for trajectories in experiments:
         ordered = [each.for_robot(robot) for each in trajectories]
         flown = [(each, floated(robot, each)) for each in ordered]
         score = scores_of(robot, flown, basis)
         needed = [smallest_table(robot, *each) for each in flown]
         sides = np.array([each for each in needed if each])
-        tables.append(tuple(sides.max(axis=0).tolist()) if sides.size else None)
+        tables.append(TableSize(*sides.max(axis=0).tolist()) if sides.size else None)
+        broken = [limits and broken_limit(robot, each, limits) for each in flown]
+        exceeded.append(
+            tuple(
+                f"{each.source}: {words}"
+                for each, words in zip(ordered, broken, strict=True)
+                if words
+            )
+        )
         scores.append(score)
         std = score.deviations
         deviations.append(
@@ -237,4 +280,5 @@ def compare_trajectories(
         nominal=np.concatenate([[robot.mass], pi, phi]),
         deviations=np.array(deviations),
         tables=tuple(tables),
+        exceeded=tuple(exceeded),
     )

@@ -2,12 +2,18 @@
 
 They are S, the joints' origins, and the tips of the last links, each as far behind its
 link's CM as the CM is from its joint: a robot file says no more of where a link ends.
+
+A table may be a rectangle along inertial axes, or round. Where on it the robot begins
+is free: what a motion uses of a round one is the smallest circle around all points.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.motion import heavy_bodies
+from orbident.excitation.criterion import smooth_maximum
 from orbident.excitation.floating import Gradient
 from orbident.model.kinematics import Poses, carrying_joints, poses
 from orbident.model.rotations import rotate, rotate_back
@@ -15,6 +21,24 @@ from orbident.robot.description import Robot
 
 BodyPoint = tuple[int, Float[np.ndarray, "3"]]
 """A body's index, and a point in its frame, m."""
+
+
+TABLE_SIZES = "table width", "table depth", "table radius"
+"""Names of the fields of `TableSize` as limits."""
+
+
+class TableSize(NamedTuple):
+    """A table, or what a motion needs of one, m; infinite where nothing limits it."""
+
+    width: float = np.inf
+    """Along x, inertial axes."""
+    depth: float = np.inf
+    """Along y."""
+    radius: float = np.inf
+    """Of one that is round."""
+
+
+ANY_TABLE = TableSize()
 
 
 def table_points(robot: Robot) -> list[BodyPoint]:
@@ -35,6 +59,70 @@ def points_on_table(
     at = poses(robot, q)
     arms = [at.arm(*point) for point in table_points(robot)]
     return np.stack([(r_S + rotate(R, arm))[:, :2] for arm in arms], axis=1)
+
+
+def use_of_table(
+    size: str, limit: float, points: Float[np.ndarray, "*n 2"], p: float
+) -> tuple[float, Float[np.ndarray, "*n 2"]]:
+    """The square of the share of a table that is used, and its gradient.
+
+    Args:
+        size: one of `TABLE_SIZES`.
+        limit: of this size, m.
+        points: all that have to stay on the table, m.
+        p: power of the mean that stands for the largest.
+    """
+    x = points / limit
+    if size == TABLE_SIZES[-1]:
+        # At the least over all centres its own gradient is zero.
+        off = x - centre_of(x.reshape(-1, 2), p)
+        most, shares = smooth_maximum(np.sum(off**2, axis=-1), p)
+        return most, 2 / limit * shares[..., None] * off
+    axis = TABLE_SIZES.index(size)
+    most, of_most = smooth_maximum(x[..., axis], p)
+    least, of_least = smooth_maximum(-x[..., axis], p)
+    by_points = np.zeros_like(x)
+    by_points[..., axis] = 2 / limit * (most + least) * (of_most - of_least)
+    return (most + least) ** 2, by_points
+
+
+SMOOTHER = 4.0
+"""A power so many times smaller gives Newton's method its start."""
+
+EXACT = 1e-14
+"""Part of the radius' square that no step of Newton's method can gain by rounding."""
+
+STEPS = 20
+"""The most of Newton's method for one power; it takes three or four."""
+
+
+def centre_of(x: Float[np.ndarray, "n 2"], p: float) -> Float[np.ndarray, "2"]:
+    """The centre `c` of the smallest circle around points, by Newton's method.
+
+    The mean of power `p` of `|x - c|^2` is convex in `c`, and for the power infinity it
+    is the square of the circle's radius.
+    """
+    c = (x.min(axis=0) + x.max(axis=0)) / 2
+    power = min(p, 1 / np.sum((x - c) ** 2, axis=1).max(initial=1 / p))
+    while True:
+        for _ in range(STEPS):
+            off = x - c
+            value, shares = smooth_maximum(np.sum(off**2, axis=1), power)
+            mean = shares @ off
+            spread = (off * shares[:, None]).T @ off - np.outer(mean, mean)
+            step = np.linalg.solve(np.eye(2) + 2 * power * spread, mean)
+            fall = 2 * float(mean @ step)
+            while fall > EXACT * value:
+                tried = np.sum((off - step) ** 2, axis=1)
+                if smooth_maximum(tried, power)[0] < value:
+                    break
+                step, fall = step / 2, fall / 2
+            c = c + step
+            if fall <= EXACT * value:
+                break
+        if power >= p:
+            return c
+        power = min(SMOOTHER * power, p)
 
 
 def add_points(f: Gradient, by: Float[np.ndarray, "n points 2"]) -> None:

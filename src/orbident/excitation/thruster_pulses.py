@@ -17,6 +17,7 @@ from orbident.errors import InputError
 from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.search import Progress
+from orbident.excitation.table_points import TableSize
 from orbident.files.json_parts import nulled
 from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
@@ -57,8 +58,8 @@ class PulseExtremes(NamedTuple):
     """Norm of the base's angular velocity, rad/s."""
     excursion: float
     """Angle of the base from its first attitude, rad."""
-    table: tuple[float, float]
-    """Sides along x and y of what S passes over, m."""
+    table: TableSize
+    """That holds what S passes over."""
     impulse: float
     """Of all thrusters together, N s."""
 
@@ -91,8 +92,10 @@ class PulseSequence(NamedTuple):
             excursion = max(excursion, turned[-1] + rate[-1] ** 2 / 2 / brakes.turn)
             r = np.vstack([r, r[-1] + v * np.abs(v) / 2 / brakes.push])
         width, depth = np.ptp(r, axis=0)[:2].tolist()
+        # A circle about the rectangle.
+        table = TableSize(width, depth, float(np.hypot(width, depth)) / 2)
         impulse = sum(each.force * (each.off - each.on) for each in self.pulses)
-        return PulseExtremes(float(rate.max()), excursion, (width, depth), impulse)
+        return PulseExtremes(float(rate.max()), excursion, table, impulse)
 
 
 def brakes_of(robot: Robot, limits: Limits) -> Brakes:
@@ -140,8 +143,7 @@ def over_limits(found: PulseExtremes, limits: Limits, paid: float) -> float:
     shares = (
         found.rate / limits.base_rate,
         found.excursion / limits.excursion,
-        found.table[0] / limits.table[0],
-        found.table[1] / limits.table[1],
+        *(own / most for own, most in zip(found.table, limits.table, strict=True)),
         found.impulse / (paid * limits.impulse),
     )
     return max(shares) - 1

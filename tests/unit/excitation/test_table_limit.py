@@ -5,13 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import minimize
 
 from orbident.errors import InputError
-from orbident.excitation.conditions import SIDES, conditions_for, limits_of
+from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.design import design_excitation
 from orbident.excitation.design_problem import problem_for
 from orbident.excitation.guarantee import floated, smallest_table
-from orbident.excitation.table_points import table_points
+from orbident.excitation.table_points import (
+    TABLE_SIZES,
+    TableSize,
+    centre_of,
+    table_points,
+)
 from orbident.model.kinematics import poses
 
 
@@ -79,24 +85,24 @@ def momentum_conserved(robot, trajectory, t):
 @pytest.fixture(scope="module")
 def kept(emulator):
     return design_excitation(
-        emulator, conditions=conditions(emulator, (1.0, 1.0)), starts=2
+        emulator, conditions=conditions(emulator, TableSize(1.0, 1.0)), starts=2
     )
 
 
 def test_a_motion_that_would_leave_the_table_stays_on_it(emulator, kept):
     free = design_excitation(
-        emulator, conditions=conditions(emulator, (np.inf, np.inf)), starts=2
+        emulator, conditions=conditions(emulator, TableSize()), starts=2
     )
     t = np.linspace(0.0, 20.0, 2001)
     for trajectory, stays in ((free, False), (kept, True)):
         assert trajectory.design is not None
-        needed = np.array(trajectory.design["proven"]["table"])
+        *needed, _ = np.array(trajectory.design["proven"]["table"])
         points = momentum_conserved(emulator, trajectory, t)
         reached = np.ptp(points, axis=(0, 1))
         assert (reached < needed).all()
         np.testing.assert_allclose(reached, needed, atol=2e-4)
-        assert (needed <= 1.0).all() == stays
-    assert kept.design["proven"]["table_limit"] == [1.0, 1.0]
+        assert (np.max(needed) <= 1.0) == stays
+    assert kept.design["proven"]["table_limit"] == [1.0, 1.0, None]
     motion = floated(emulator, kept)
     np.testing.assert_allclose(motion.v_cm, 0.0, atol=1e-12)
     needed = smallest_table(emulator, kept, motion)
@@ -105,7 +111,7 @@ def test_a_motion_that_would_leave_the_table_stays_on_it(emulator, kept):
 
 def test_the_arm_begins_folded(emulator):
     """Stretched out it sweeps 1.3 m."""
-    given = conditions(emulator, (1.0, 1.0))
+    given = conditions(emulator, TableSize(1.0, 1.0))
     np.testing.assert_array_equal(given.start, given.end)
     (low, high), q = emulator.joints[0].position, given.start[:, 0]
     assert low < q[0] < high
@@ -121,10 +127,10 @@ def test_the_points(emulator):
 
 
 def test_gradients_of_the_sides(emulator):
-    given = replace(conditions(emulator, (1.0, 0.8)), harmonics=2)
+    given = replace(conditions(emulator, TableSize(1.0, 0.8, 0.5)), harmonics=2)
     drifting = replace(given.initial, velocity=np.array([0.02, -0.01, 0.0]))
     problem = problem_for(emulator, replace(given, initial=drifting), "cond", 0.1)
-    assert problem.limited == SIDES
+    assert problem.limited == TABLE_SIZES
     random = np.random.default_rng(0)
     y, step = 0.2 * random.standard_normal((2, 2, problem.motions.basis[0].shape[1]))
     e = 1e-5
@@ -133,14 +139,50 @@ def test_gradients_of_the_sides(emulator):
     np.testing.assert_allclose((after - before) / (2 * e), slope, rtol=1e-4)
 
 
+def test_a_round_table(emulator):
+    """Every point stays in the circle, by the closed form."""
+    given = conditions(emulator, TableSize(radius=0.55))
+    round_one = design_excitation(emulator, conditions=given, starts=2)
+    assert round_one.design is not None
+    *_, radius = round_one.design["proven"]["table"]
+    points = momentum_conserved(emulator, round_one, np.linspace(0.0, 20.0, 2001))
+    points = points.reshape(-1, 2)
+    best = minimize(
+        lambda c: np.linalg.norm(points - c, axis=1).max(),
+        [0.01, 0.01],
+        method="Nelder-Mead",
+        options={"xatol": 1e-8, "fatol": 1e-8},
+    )
+    assert best.fun < radius <= 0.55
+    assert radius == pytest.approx(best.fun, rel=2e-3)
+
+
+@pytest.mark.parametrize("points", [1, 2, 3, 40, 500])
+def test_the_smallest_circle(points):
+    random = np.random.default_rng(points)
+    x = random.standard_normal((points, 2)) * [1.0, 0.3] + [3.0, 1.0]
+    found = np.linalg.norm(x - centre_of(x, 1e5), axis=1).max()
+    # At least half of the farthest two, and of an equilateral triangle 1 / sqrt 3.
+    farthest = np.linalg.norm(x[:, None] - x, axis=2).max()
+    assert farthest / 2 <= found + 1e-12
+    assert found <= farthest / np.sqrt(3) + 1e-12
+    least = minimize(
+        lambda c: np.linalg.norm(x - c, axis=1).max(),
+        x.mean(axis=0) + 0.01,
+        method="Nelder-Mead",
+        options={"xatol": 1e-10, "fatol": 1e-10},
+    )
+    assert found <= least.fun * (1 + 1e-4) + 1e-9
+
+
 def test_a_table_too_small_says_by_how_much(emulator):
-    given = conditions(emulator, (0.3, 2.0))
+    given = conditions(emulator, TableSize(0.3, 2.0))
     with pytest.raises(InputError, match=r"limit of table width, by .* other ends"):
         design_excitation(emulator, conditions=given, starts=1)
 
 
 def test_no_table_in_space(servicer):
     with pytest.raises(InputError, match="table limit: the robot flies in space"):
-        limits_of(servicer, table=(1.0, 1.0))
+        limits_of(servicer, table=TableSize(1.0, 1.0))
     with pytest.raises(InputError, match="table depth limit: found 0"):
-        limits_of(servicer, table=(1.0, 0.0))
+        limits_of(servicer, table=TableSize(1.0, 0.0))

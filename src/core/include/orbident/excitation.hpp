@@ -111,16 +111,17 @@ struct Step {
   }
 };
 
-// Adds the gradient of a . h_rs(q, qd, w) + r . r_cm at a configured state; returns df/dw.
+// Adds the gradient of a . h_rs(q, qd, w) + r . r_cm + v . (w x r_cm + J_cm qd) at a configured
+// state; returns df/dw.
 inline Vector3<double> add_momentum_gradient(const Robot& robot, Bodies<double>& at, Wrenches& room,
                                              const Vector3<double>& a, const Vector3<double>& r,
-                                             const Vector3<double>& w, const double* qd,
-                                             double* f_q, double* f_qd) {
+                                             const Vector3<double>& v, const Vector3<double>& w,
+                                             const double* qd, double* f_q, double* f_qd) {
   move(robot.tree, at.field, w, qd, at.motion);
   Vector3<double> p = Vector3<double>::Zero();
   for (int i = 0; i < robot.tree.bodies(); ++i)
     p += at.mass[i].m * at.motion[i].u + at.motion[i].w.cross(at.mass[i].s);
-  const MomentumGradients wrenches(a, r, at.carried[0], p, at.mass, at.motion);
+  const MomentumGradients wrenches(a, r, v, at.carried[0], p, at.mass, at.motion);
   return momentum_adjoint(robot.tree, at.field, qd, wrenches, room, f_q, f_qd);
 }
 

@@ -85,10 +85,11 @@ Vector3<double> momentum_adjoint(const Tree& tree, const Motion<double>* field, 
   return at.rate[0].w;
 }
 
-// The wrenches of a . h_rs + r . r_cm, with h_rs = h - s x p / M and r_cm = s / M, in terms of each
-// body's first moment s, momentum p = m u + w x s and h = J w + s x u about S:
+// The wrenches of a . h_rs + r . r_cm + v . p / M, with h_rs = h - s x p / M and r_cm = s / M, in
+// terms of each body's first moment s, momentum p = m u + w x s and h = J w + s x u about S: to
+// first order
 //
-//   a . h_rs + r . r_cm = S . s + P . p + a . h,   S = (a x p + r) / M,   P = s x a / M
+//   S . s + P . p + a . h,   S = (a x p + r) / M,   P = (s x a + v) / M
 //
 // of the system.
 struct MomentumGradients {
@@ -96,11 +97,11 @@ struct MomentumGradients {
   const Mass<double>* mass;
   const Motion<double>* motion;
 
-  MomentumGradients(const Vector3<double>& a_, const Vector3<double>& r, const Mass<double>& all,
-                    const Vector3<double>& p, const Mass<double>* mass_,
+  MomentumGradients(const Vector3<double>& a_, const Vector3<double>& r, const Vector3<double>& v,
+                    const Mass<double>& all, const Vector3<double>& p, const Mass<double>* mass_,
                     const Motion<double>* motion_)
       : S((a_.cross(p) + r) / all.m),
-        P(all.s.cross(a_) / all.m),
+        P((all.s.cross(a_) + v) / all.m),
         a(a_),
         mass(mass_),
         motion(motion_) {}
