@@ -130,13 +130,13 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
         yield _found(
             words, "record each sample once, when it is taken, with all its digits"
         )
-    for one in pulses_put_right(problem):
+    pulses, slow = [*pulses_put_right(problem)], slow_duty(problem)
+    if slow and not any(one.accepted for one in pulses):
+        yield _found(slow, "record a row at every switching of a thruster")
+    for one in pulses:
         now = "accepted" if one.accepted else "still refused, so that more is wrong"
         words = f"{one.cause}: with that put right the recording is {now}"
         yield _found(words, "correct the recording or the robot file")
-    slow = slow_duty(problem)
-    if slow:
-        yield _found(slow, "record a row at every switching of a thruster")
 
 
 def _of_the_scale(solved: Solved) -> bool:

@@ -288,12 +288,10 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
     behind = delays(robot, recording, {})
     burn = burn_of(robot, recording, behind["attitude"])
     fits: dict[str, tuple[LinearFit, int]] = {}
-    if "position" in found:
-        rows = position_rows(burn, recording, behind["position"])
-        fits["position"] = _fit(robot, rows)
-    if "velocity" in found:
-        rows = velocity_rows(burn, recording, behind["position"])
-        fits["velocity"] = _fit(robot, rows)
+    for name, rows_of in (("position", position_rows), ("velocity", velocity_rows)):
+        if name in found:
+            rows = rows_of(burn, recording, behind["position"])
+            fits[name] = _fit(robot, rows)
     if not fits:
         fits["accelerometer"] = _fit(robot, accelerometer_rows(burn, recording))
     signal = min(fits, key=lambda name: _uncertainty(fits[name][0]))
@@ -304,12 +302,14 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
         mass, scales = _mass(fit, burn.gain), robot.known.mass
         if scales:
             warnings = _beside_scales(mass, scales)
-            # The gain is in what it says of the mass, and is what it finds of thrust.
+            # Gains are in what the burn says of the mass, and are what it finds here.
             alone = _mass(fit, 0.0)
             ratio = scales.value / alone.value
             std = np.hypot(alone.std / alone.value, scales.std / scales.value)
             thrust = Quantity(ratio, float(ratio * std))
-            mass = _with_scales(mass, scales)
+            info = np.array([mass.std, scales.std]) ** -2.0
+            both = info @ np.array([mass.value, scales.value]) / info.sum()
+            mass = Quantity(float(both), float(info.sum() ** -0.5))
     return Weighing(
         mass=NOWHERE if warnings else mass,
         signal=signal,
@@ -331,13 +331,6 @@ def _beside_scales(mass: Quantity, scales: MeasuredQuantity) -> tuple[str, ...]:
         f"'known' {scales.value:.4g} +- {scales.std:.2g} kg; check the thrust, and "
         "'gain' of the thrusters, which says how well it is known",
     )
-
-
-def _with_scales(mass: Quantity, scales: MeasuredQuantity) -> Quantity:
-    """The mass by both."""
-    info = np.array([mass.std, scales.std]) ** -2.0
-    both = info @ np.array([mass.value, scales.value]) / info.sum()
-    return Quantity(float(both), float(info.sum() ** -0.5))
 
 
 def _check_locked(robot: Robot, recording: Recording) -> None:

@@ -39,6 +39,14 @@ FALLS = 0.5
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
+CORNER = 0.5
+"""Deviations. The rate at a row in which a thruster switches changes with its clock to
+one side only. Where the least cost is at such a corner, steps lead from one side of it
+to the other, are shorter than this, and lower nothing: the search ends there too."""
+
+AGAIN = 3
+"""Steps that lower nothing, one after the other, at a corner."""
+
 KEPT = 2**24
 """Bytes of links that a solution keeps: without them, who asks for its boundaries
 linearises again."""
@@ -71,11 +79,10 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, _size(here))
     damping, raised = 0.0, RAISED
-    taken, tried = [Step(cost, np.nan)], False
+    taken, tried, vain = [Step(cost, np.nan)], False, 0
     for _ in range(steps):
         progress()
-        if here.given_up:
-            here = linear(problem, weights, state)
+        here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
         g = _damped(factor, damping)
         moved = state.moved(here.step(g), g)
@@ -99,11 +106,15 @@ def solved(
             problem, weights, prior, damping, cost, there, new_cost
         )
         if new_cost < cost + SAME:
+            as_good = problem.gains and size < CORNER and cost - new_cost < SAME
+            vain = vain + 1 if as_good else 0
             expected = change @ (2 * whole - change)
             gain = float((cost - new_cost) / expected) if new_cost < cost else 0.0
             state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             damping = damping if damping > LEAST_DAMPING else 0.0
+            if vain == AGAIN:
+                break
         elif damping > MOST_DAMPING:
             break
         else:
@@ -112,7 +123,7 @@ def solved(
     here = linear(problem, weights, state) if here.given_up else here
     # Where curvature makes every step too long or too short, the end comes slowly.
     whole = prior.added(here.common, state)[:-1, -1]
-    near = float(whole @ whole) < SAME
+    near = vain == AGAIN or float(whole @ whole) < SAME
     return solution_at(state, here, prior, weights, near, cost, tuple(taken))
 
 

@@ -239,8 +239,7 @@ def test_phasespace(tmp_path: Path):
 def test_kentucky(tmp_path: Path):
     """Millimetres, degrees, and eight valves in one cell."""
     rows = [
-        f"{t},{t + 1.14},{1000 * t},{-2000 * t},{90 * t},"
-        f'"[{k % 2}, 0, 0, 0, 0, 0, 0, 1]"'
+        f'{t},{t + 1},{1000 * t},{-2000 * t},{90 * t},"[{k % 2}, 0, 0, 0, 0, 0, 0, 1]"'
         for k, t in enumerate(T)
     ]
     head = "MPC_Start_Time,Command_Sent_Time,Telemetry_X_mm,Telemetry_Z_mm"
