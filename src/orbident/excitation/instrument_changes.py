@@ -19,6 +19,7 @@ its standard deviation. Changes of momenta are central differences, and so are t
 gradients.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
@@ -70,12 +71,15 @@ class ErrorPlace(NamedTuple):
 
 
 class JointsElsewhere(NamedTuple):
-    """A robot and its joints with an error of `STEP`, or of less than none."""
+    """Motions of one robot with an error each, of `STEP` or of less than none."""
 
     robot: Robot
-    q: Float[np.ndarray, "n joints"]
-    qd: Float[np.ndarray, "n joints"]
-    scale: Float[np.ndarray, " joints"]
+    errors: list[tuple[ErrorPlace, float]]
+    """Of each motion, with what the change by it is to be multiplied by."""
+    q: Float[np.ndarray, "motions*n joints"]
+    qd: Float[np.ndarray, "motions*n joints"]
+    w: Float[np.ndarray, "motions*n 3"]
+    scale: Float[np.ndarray, "motions 1 joints"]
     """Of `q` and `qd` by those that are shown."""
 
 
@@ -98,12 +102,13 @@ class InstrumentChanges:
         self._h_B = rotate_back(
             motion.R, np.tile(motion.craft.h_cm, (len(motion.w), 1))
         )
+        self._elsewhere = [*self._joints_elsewhere()]
+        for at in self._elsewhere:
+            for (of, part), h, v in zip(at.errors, *_momenta(at), strict=True):
+                self.dh[:, :, of.column] += part * h
+                self.dv_B[:, :, of.column] += part * v
         for of in self._places:
-            if of.tolerance in OF_THE_JOINTS:
-                after, before = (self._momenta(of, step) for step in (STEP, -STEP))
-                change = -(after - before) * of.std / (2 * STEP)
-                self.dh[:, :, of.column], self.dv_B[:, :, of.column] = change
-            elif of.tolerance == "wheel_inertia":
+            if of.tolerance == "wheel_inertia":
                 h_rw = np.outer(motion.qd_rw[:, of.owner], self._wheel(of))
                 self.dh[:, :, of.column] = -h_rw
             elif of.tolerance in TURNED:
@@ -174,25 +179,24 @@ class InstrumentChanges:
     def add_momenta(self, f: Gradient, by_dh: ByErrors, by_dv_B: ByErrors) -> None:
         """Adds the gradient, from those with respect to `dh` and `dv_B`."""
         wheels = f.motion.craft.wheels
+        for at in self._elsewhere:
+            by_h, by_v = (
+                np.concatenate([part * by[:, :, of.column] for of, part in at.errors])
+                for by in (by_dh, by_dv_B)
+            )
+            shape = len(at.errors), len(f.w), -1
+            by_q, by_qd, by_w = (
+                by.reshape(shape)
+                for by in _core.momentum_gradient(
+                    core_robot(at.robot), at.q, at.qd, at.w, by_h, by_v, processors()
+                )
+            )
+            f.q += np.sum(by_q * at.scale, axis=0)
+            f.qd += np.sum(by_qd * at.scale, axis=0)
+            f.w += np.sum(by_w, axis=0)
         for of in self._places:
             by_h, by_v = (by[:, :, of.column] for by in (by_dh, by_dv_B))
-            if of.tolerance in OF_THE_JOINTS:
-                for step in (STEP, -STEP):
-                    part = -of.std / (2 * step)
-                    at = self._elsewhere(of, step)
-                    by_q, by_qd, by_w = _core.momentum_gradient(
-                        core_robot(at.robot),
-                        np.ascontiguousarray(at.q),
-                        np.ascontiguousarray(at.qd),
-                        f.motion.w,
-                        np.ascontiguousarray(part * by_h),
-                        np.ascontiguousarray(part * by_v),
-                        processors(),
-                    )
-                    f.q += by_q * at.scale
-                    f.qd += by_qd * at.scale
-                    f.w += by_w
-            elif of.tolerance == "wheel_inertia":
+            if of.tolerance == "wheel_inertia":
                 by_speed = wheels.free[of.owner] * (by_h @ self._wheel(of))
                 f.w += np.outer(by_speed, wheels.axes[:, of.owner])
             elif of.tolerance in TURNED:
@@ -222,22 +226,36 @@ class InstrumentChanges:
     def _wheel(self, of: ErrorPlace) -> Float[np.ndarray, "3"]:
         return of.std * self._motion.craft.wheels.A_rw[:, of.owner]
 
-    def _momenta(self, of: ErrorPlace, step: float) -> Float[np.ndarray, "2 n 3"]:
-        """`h_rs` and `w x r_cm + J_cm qd` with an error."""
-        robot, q, qd, _ = self._elsewhere(of, step)
-        at, w = inertia(robot, q), self._motion.w[:, :, None]
-        h = at.D @ w + at.D_q @ qd[:, :, None]
-        v = cross_matrix(w[:, :, 0]) @ at.r_cm[:, :, None] + at.J_cm @ qd[:, :, None]
-        return np.stack([h, v])[..., 0]
-
-    def _elsewhere(self, of: ErrorPlace, step: float) -> JointsElsewhere:
+    def _joints_elsewhere(self) -> Iterator[JointsElsewhere]:
         motion, robot = self._motion, self._motion.craft.robot
-        own = np.arange(len(robot.joints)) == of.owner
-        scale = 1 + step * own * (of.tolerance == "joint_scale")
-        zero = step * own * (of.tolerance == "joint_zero")
-        if of.tolerance in ("joint_place", "joint_direction"):
-            robot = _displaced(robot, of.tolerance, of.owner, of.axis, step)
-        return JointsElsewhere(robot, motion.q * scale + zero, motion.qd * scale, scale)
+        found = defaultdict[Robot, list[tuple[ErrorPlace, float]]](list)
+        for of in self._places:
+            moves = of.tolerance in ("joint_place", "joint_direction")
+            for step in (STEP, -STEP) if of.tolerance in OF_THE_JOINTS else ():
+                moved = _displaced(robot, of, step) if moves else robot
+                found[moved].append((of, step))
+        for moved, errors in found.items():
+            scale, zero = np.zeros((2, len(errors), 1, len(robot.joints)))
+            for k, (of, step) in enumerate(errors):
+                scale[k, 0, of.owner] = step * (of.tolerance == "joint_scale")
+                zero[k, 0, of.owner] = step * (of.tolerance == "joint_zero")
+            joints, scale = len(robot.joints), scale + 1
+            yield JointsElsewhere(
+                moved,
+                [(of, -of.std / (2 * step)) for of, step in errors],
+                (motion.q * scale + zero).reshape(-1, joints),
+                (motion.qd * scale).reshape(-1, joints),
+                np.tile(motion.w, (len(errors), 1)),
+                scale,
+            )
+
+
+def _momenta(at: JointsElsewhere) -> Float[np.ndarray, "2 motions n 3"]:
+    """`h_rs` and `w x r_cm + J_cm qd` of each motion."""
+    found, qd = inertia(at.robot, at.q), at.qd[:, :, None]
+    h = rotate(found.D, at.w) + (found.D_q @ qd)[:, :, 0]
+    v = np.cross(at.w, found.r_cm) + (found.J_cm @ qd)[:, :, 0]
+    return np.stack([h, v]).reshape(2, len(at.errors), -1, 3)
 
 
 def _placed(robot: Robot, errors: tuple[Unknown, ...]) -> Iterator[ErrorPlace]:
@@ -253,18 +271,15 @@ def _placed(robot: Robot, errors: tuple[Unknown, ...]) -> Iterator[ErrorPlace]:
 
 
 @lru_cache(maxsize=256)
-def _displaced(robot: Robot, tolerance: str, k: int, axis: int, step: float) -> Robot:
-    """The robot with joint `k` elsewhere along, or turned about, its parent's axis."""
-    joint, along = robot.joints[k], step * np.eye(3)[axis]
-    if tolerance == "joint_place":
+def _displaced(robot: Robot, of: ErrorPlace, step: float) -> Robot:
+    """The robot with a joint elsewhere along, or turned about, its parent's axis."""
+    k, along = of.owner, step * np.eye(3)[of.axis]
+    joint, turn = robot.joints[k], cross_matrix(along)
+    if of.tolerance == "joint_place":
         moved = replace(joint, p_PJ=joint.p_PJ + along)
     else:
-        turn = (
-            np.eye(3)
-            + cross_matrix(along)
-            + cross_matrix(along) @ cross_matrix(along) / 2
-        )
-        moved = replace(joint, R_PJ=turn @ joint.R_PJ)
+        R = np.eye(3) + turn + turn @ turn / 2
+        moved = replace(joint, R_PJ=R @ joint.R_PJ)
     joints = (*robot.joints[:k], moved, *robot.joints[k + 1 :])
     return replace(robot, joints=joints)
 
