@@ -275,7 +275,7 @@ def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
             f"{robot.name} has no wheel, and recursive cannot find the scale of its "
             "parameters by thrust alone; use another method"
         )
-    if not robot.joints and isinstance(estimator, LeastSquares):
+    if samples.wrenches and not robot.joints and isinstance(estimator, LeastSquares):
         raise InputError(
             f"{robot.name} has no joint, and {estimator.name} finds the mass by joints "
             "that move (Eq. 32); use another method"
