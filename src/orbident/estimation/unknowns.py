@@ -34,6 +34,26 @@ class SpringFit(NamedTuple):
     damping_std: FiniteNumber
 
 
+class DriveFit(NamedTuple):
+    """What a joint's torque drives beside what the joint moves; SI.
+
+    It is `armature qdd + viscous qd + coulomb sign(qd) + offset`.
+    """
+
+    armature: FiniteNumber
+    """`N (N - 1) J` of the motor's rotor, kg m^2 or kg."""
+    armature_std: FiniteNumber
+    viscous: FiniteNumber
+    """N m s or N s/m."""
+    viscous_std: FiniteNumber
+    coulomb: FiniteNumber
+    """N m or N."""
+    coulomb_std: FiniteNumber
+    offset: FiniteNumber
+    """N m or N."""
+    offset_std: FiniteNumber
+
+
 class Sensitivity(NamedTuple):
     """What undeclared calibration errors would do to the base parameters."""
 

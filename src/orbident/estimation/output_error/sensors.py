@@ -32,6 +32,9 @@ COMPONENTS = {
 }
 """Components of the base's sensors; encoders are not among them."""
 
+TORQUES = "torques"
+"""The sensors of torques at joints."""
+
 CLOCKS = {"velocity": "position"}
 """Sensors that share another's clock."""
 
@@ -39,6 +42,16 @@ LEAST = 3e-8
 """Least noise of a sensor, over its signal's size or in rad. Splines and integration
 err by some 1e-9, alike from sample to sample: some thousand samples of so much noise
 are as far off together."""
+
+
+def torque_column(joint: str) -> str:
+    """The column of a recording that has it."""
+    return f"joint.{joint}.torque"
+
+
+def torque_columns(robot: Robot) -> list[str]:
+    """Those of all joints."""
+    return [torque_column(name) for name in robot.joint_names]
 
 
 @dataclass(frozen=True)
@@ -89,6 +102,11 @@ def sensors_of(
     if joints and not exact:
         angles = [recording.column(f"joint.{n}.position") for n in robot.joint_names]
         tables["joints"] = np.column_stack(angles)
+    torques = torque_columns(robot)
+    if any(recording.has(column) for column in torques):
+        zero = np.zeros(recording.t.size)
+        columns = [recording.column(x) if recording.has(x) else zero for x in torques]
+        tables[TORQUES] = np.column_stack(columns)
     times, samples = {}, {}
     for name in list(tables):
         table = tables.pop(name)

@@ -1,0 +1,159 @@
+"""Torques that MuJoCo applies at joints, as equations and as sensors.
+
+The equation in momentum form (theory: Section 6) is met on exact data by MuJoCo's own
+torques and motion, and by the simulator's inverse dynamics. What is identified of
+MuJoCo's flights holds, without any wheel too.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from acting_in_mujoco import Torque
+from mujoco_flights import Flight
+from random_motions import random_motion
+from random_robots import sensors_in_space
+from scipy.interpolate import CubicSpline
+from seventeen_flights import SPEED, robot_of
+
+from orbident import _core
+from orbident.estimation.identify import identify
+from orbident.estimation.result import Result
+from orbident.model.core_robot import core_tree
+from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.description import GearedRotor, Robot
+from orbident.robot.friction import Friction
+from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
+from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.simulation.measure import Truth, truth_of
+
+NOTHING = Torque(np.zeros(3))
+FRICTION = Friction(0.1, 0.05, 0.02)
+"""Of every joint: N m s, N m and N m."""
+
+FAR = 4.5
+"""Deviations beyond which none of some fifty correlated numbers is."""
+
+
+def check_equation(robot: Robot, t: np.ndarray, true: Truth) -> None:
+    """`p(t) - p(0)` is the integral of `dT/dq + tau`."""
+    theta, joints = robot.theta.ravel(), len(robot.joints)
+    table = np.array(
+        [
+            _core.joint_momenta(core_tree(robot), np.eye(theta.size), theta, q, qd, w)
+            for q, qd, w in zip(true.q, true.qd, true.gyro, strict=True)
+        ]
+    )[:, 3:, 0]
+    p, e = table[:, :joints], table[:, joints:]
+    assert true.tau is not None
+    gained = CubicSpline(t, e + true.tau).antiderivative()(t)
+    # Of a spline with 20 rows a second: torques turn at some rad/s.
+    scale = np.abs(p).max(axis=0)
+    assert (np.abs(p - p[0] - gained) < 1e-6 * scale).all()
+
+
+def test_the_equation_holds_of_exact_data():
+    robot = replace(load_robot("paper-spatial"), sensors=declared_sensors({"rate": 20}))
+    motion = random_motion(robot, 3, 20.0, SPEED, "turning")
+    t, true = Flight(robot, motion, NOTHING).flown
+    check_equation(robot, t, true)
+    own = motion.for_robot(robot).motion
+    start = BaseState(true.gyro[0], true.attitude[0], np.zeros(3), true.qd_rw[0])
+    ours = truth_of(robot, free_floating(robot, own, t, start, 1e-10), own)
+    check_equation(robot, t, ours)
+    assert ours.tau is not None
+    assert true.tau is not None
+    # MuJoCo's steps of 0.01 s.
+    scale = np.abs(true.tau).max()
+    np.testing.assert_allclose(ours.tau, true.tau, atol=1e-5 * scale)
+
+
+def flown_robot(wheels: bool = False) -> Robot:
+    """One of any bodies, whose joints have friction and torque sensors."""
+    robot = robot_of(4)
+    sensors = sensors_in_space(np.random.default_rng(1)) | {"torques": {"std": 0.02}}
+    anything = dict.fromkeys(robot.joint_names, np.inf)
+    return replace(
+        robot,
+        sensors=declared_sensors(sensors),
+        wheels=robot.wheels if wheels else (),
+        disturbances={},
+        friction=dict.fromkeys(robot.joint_names, FRICTION),
+        tolerances=replace(
+            robot.tolerances,
+            joint_viscous=anything,
+            joint_coulomb=anything,
+            joint_torque_offset=anything,
+        ),
+    )
+
+
+class Found(NamedTuple):
+    """What was identified, off from the truth in its deviations."""
+
+    result: Result
+    base: np.ndarray
+    friction: np.ndarray
+    armature: np.ndarray
+
+
+def found(plant: Robot, seed: int) -> Found:
+    """Identify a flight with a CAD model that is off by 10 %, by a wrong friction."""
+    random = np.random.default_rng(seed)
+    motion = random_motion(plant, seed, 60.0, SPEED, "turning")
+    recording = Flight(plant, motion, NOTHING).recorded(seed)
+    cad = 1 + 0.1 * random.uniform(-1, 1, (len(plant.bodies), 1))
+    # Of rotors the gear is known, and their inertia to a half.
+    rotors = {
+        name: rotor._replace(inertia=1.3 * rotor.inertia)
+        for name, rotor in plant.rotors.items()
+    }
+    known = replace(plant, theta=cad * plant.theta, friction={}, rotors=rotors)
+    result = identify(known, recording)
+    beta = minimal_sets(plant).beta(plant.theta)
+    friction, armature = [], []
+    for name, fit in result.drives.items():
+        numbers = np.array(fit[2:]).reshape(3, 2)
+        friction += [*((numbers[:, 0] - FRICTION[:3]) / numbers[:, 1])]
+        rotor = plant.rotors.get(name)
+        if rotor is not None:
+            A = rotor.gear * (rotor.gear - 1) * rotor.inertia
+            armature.append((fit.armature - A) / fit.armature_std)
+    base = (result.base.values - beta) / result.base.std
+    return Found(result, base, np.array(friction), np.array(armature))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_identified_without_a_wheel(seed):
+    """Torques alone say how large everything is."""
+    result, base, friction, _ = found(flown_robot(), seed)
+    assert result.level == "trust"
+    assert result.mass.std < 0.002 * result.mass.value
+    assert np.abs(np.concatenate([base, friction])).max() < FAR
+
+
+def test_rotors_follow_from_torques_and_known_gears():
+    """Their `N (N - 1) J`, of which the robot file knows a half."""
+    robot = flown_robot(wheels=True)
+    rotors = {name: GearedRotor(100.0, 1e-4, 0.5) for name in robot.joint_names}
+    armature = dict.fromkeys(robot.joint_names, 0.5 * 1.3 * 0.99)
+    tolerances = replace(robot.tolerances, joint_armature=armature)
+    plant = replace(robot, rotors=rotors, tolerances=tolerances)
+    result, base, friction, off = found(plant, 1)
+    assert result.level == "trust"
+    assert off.size == len(robot.joints)
+    assert np.abs(np.concatenate([base, friction, off])).max() < FAR
+    for fit in result.drives.values():
+        assert fit.armature_std < 0.01 * fit.armature
+
+
+@pytest.mark.long
+def test_intervals_hold():
+    """Of 20 flights without a wheel: base parameters and friction."""
+    every = [found(flown_robot(), seed)[1:3] for seed in range(20)]
+    for off in map(np.concatenate, zip(*every, strict=True)):
+        held = np.mean(np.abs(off) < 1.96)
+        # Numbers of one flight are correlated: of 20, hundreds count as about 100.
+        assert held == pytest.approx(0.95, abs=0.05), held
