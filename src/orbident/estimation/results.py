@@ -29,7 +29,7 @@ from orbident.estimation.quantities import (
 from orbident.estimation.result import Residual, Result, SensorResidual
 from orbident.estimation.signals import Signals, equation_signals
 from orbident.estimation.triangular import condition_numbers
-from orbident.estimation.unknowns import CalibrationFit
+from orbident.estimation.unknowns import DRIVE, SPRING, CalibrationFit
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import as_computed, nulled
 from orbident.model.formulas import (
@@ -188,16 +188,20 @@ def _mass_forms(
 def _calibration(
     problem: MomentumProblem, estimate: Estimate
 ) -> dict[str, CalibrationFit]:
-    """That of a clock that was corrected is said with the clocks, and springs apart.
+    """Without what is said elsewhere: a clock that was corrected, springs, drives.
 
     Where a clock has a tolerance, it is how late the clock is in all.
     """
-    springs = {
+    apart = {
         f"joint.{name}.{what}"
-        for name in problem.robot.passive
-        for what in ("frequency", "damping")
+        for names, of_each in (
+            (problem.robot.passive, SPRING),
+            (estimate.drives, DRIVE),
+        )
+        for name in names
+        for what in of_each
     }
-    found = {n: fit for n, fit in estimate.calibration.items() if n not in springs}
+    found = {n: fit for n, fit in estimate.calibration.items() if n not in apart}
     known = problem.robot.tolerances.joint_clock
     late = problem.late.get("joints", 0.0)
     if late and CLOCK in found:

@@ -23,6 +23,13 @@ class CalibrationFit(NamedTuple):
     that is further off than that, and so was free."""
 
 
+SPRING = ("frequency", "damping")
+"""The last words of errors of a passive joint, `joint.panel.frequency`."""
+
+DRIVE = ("armature", "viscous", "coulomb", "torque_offset")
+"""The same of what a joint's torque drives beside what the joint moves."""
+
+
 class SpringFit(NamedTuple):
     """How a passive joint swings where the body that carries it is held."""
 

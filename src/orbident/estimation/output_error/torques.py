@@ -23,7 +23,7 @@ from orbident.estimation.output_error.sensors import (
     torque_column,
 )
 from orbident.estimation.output_error.shooting import Intervals
-from orbident.estimation.unknowns import CalibrationFit, DriveFit
+from orbident.estimation.unknowns import DRIVE, CalibrationFit, DriveFit
 from orbident.model.rotor_momentum import rotors_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
@@ -149,9 +149,8 @@ def drives_of(
         if torque_column(name) not in driven:
             continue
         parts = list[float]()
-        names = ("armature", "viscous", "coulomb", "torque_offset")
-        for what, declared in zip(names, numbers, strict=True):
+        for what, declared in zip(DRIVE, numbers, strict=True):
             error, std = errors.get(f"joint.{name}.{what}", (*HELD, 0.0))[:2]
-            parts += declared + error, std
+            parts += float(declared + error), std
         found[name] = DriveFit(*parts)
     return found
