@@ -5,12 +5,16 @@ torques and motion, and by the simulator's inverse dynamics. What is identified 
 MuJoCo's flights holds, without any wheel too.
 """
 
+import sys
 from dataclasses import replace
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from acting_in_mujoco import Torque
+from acting_in_mujoco import Swell, Torque
 from mujoco_flights import Flight
 from random_motions import random_motion
 from random_robots import sensors_in_space
@@ -22,6 +26,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.core_robot import core_tree
 from orbident.model.minimal_sets import minimal_sets
+from orbident.recordings.recording import Recording
 from orbident.robot.description import GearedRotor, Robot
 from orbident.robot.friction import Friction
 from orbident.robot.robot_file import load_robot
@@ -32,6 +37,11 @@ from orbident.simulation.measure import Truth, truth_of
 NOTHING = Torque(np.zeros(3))
 FRICTION = Friction(0.1, 0.05, 0.02)
 """Of every joint: N m s, N m and N m."""
+
+LIBRARY = Path(str(files("orbident.robot") / "library"))
+
+SLOW = 0.01
+"""N m: about each axis, changing once in 150 s."""
 
 FAR = 4.5
 """Deviations beyond which none of some fifty correlated numbers is."""
@@ -157,3 +167,97 @@ def test_intervals_hold():
         held = np.mean(np.abs(off) < 1.96)
         # Numbers of one flight are correlated: of 20, hundreds count as about 100.
         assert held == pytest.approx(0.95, abs=0.05), held
+
+
+class World(NamedTuple):
+    """What is compared: sensors, what acts, and what is known."""
+
+    speed: float
+    """Of the wheels, rad/s; zero of a robot without any."""
+    torques: bool
+    scale: float
+    """Standard deviation of the torque sensors' scales, relative."""
+    acts: bool
+    """Whether a slow torque acts from outside; then it is among the unknowns."""
+
+    def robot(self) -> Robot:
+        """The paper's servicer with a star tracker, a camera and torque sensors."""
+        document = dict(load_robot("paper-spatial").document)
+        document["urdf"] = str(LIBRARY / "paper-spatial.urdf")
+        document["sensors"] |= {
+            "attitude": {"angle": "10 arcsec"},
+            "position": {"std": "1 mm"},
+            "torques": {"std": "0.1 N m"},
+        }
+        document["disturbances"] = ["slow_torque"] if self.acts else []
+        if not self.speed:
+            document["wheels"] = []
+            document["sensors"].pop("wheels")
+        robot = load_robot(document)
+        scales = dict.fromkeys(robot.joint_names, self.scale)
+        return replace(
+            robot,
+            friction=dict.fromkeys(robot.joint_names, FRICTION),
+            tolerances=replace(robot.tolerances, joint_torque_scale=scales),
+        )
+
+    def recorded(self, seed: int) -> Recording:
+        """One flight, with torques as wrong as their scales may be, or without."""
+        recording = flown(self._replace(torques=True, scale=0.0), seed)
+        columns = dict(recording.columns)
+        random = np.random.default_rng(seed)
+        for name in self.robot().joint_names:
+            shown = 1 + self.scale * random.standard_normal()
+            torque = columns.pop(f"joint.{name}.torque")
+            if self.torques:
+                columns[f"joint.{name}.torque"] = shown * torque
+        return replace(recording, columns=columns)
+
+    def found(self, seed: int) -> tuple[Result, np.ndarray]:
+        """What is identified by a wrong CAD model, and how far off it is."""
+        plant, random = self.robot(), np.random.default_rng(seed)
+        cad = 1 + 0.1 * random.uniform(-1, 1, (len(plant.bodies), 1))
+        known = replace(plant, theta=cad * plant.theta, friction={})
+        result = identify(known, self.recorded(seed))
+        beta = minimal_sets(plant).beta(plant.theta)
+        return result, (result.base.values - beta) / result.base.std
+
+
+@cache
+def flown(world: World, seed: int) -> Recording:
+    """MuJoCo's flight of the robot of a world."""
+    robot, random = world.robot(), np.random.default_rng(seed)
+    motion = random_motion(robot, seed, 60.0, world.speed, "turning")
+    swell = Swell(SLOW * random.standard_normal(3), 150.0, random.uniform(0, 6))
+    return Flight(robot, motion, swell if world.acts else NOTHING).recorded(seed)
+
+
+COMPARED = (
+    *((SPEED, False, 0.0), (SPEED / 10, False, 0.0)),
+    *((0.0, True, 0.0), (SPEED / 10, True, 0.0), (SPEED, True, 0.0)),
+    *((0.0, True, 0.01), (SPEED / 10, True, 0.01), (SPEED, True, 0.01)),
+)
+"""Wheels, torques and their scales: momentum alone, torque alone, and both."""
+
+
+def main(seeds: int) -> None:
+    """Which is more accurate, momentum or torque (Rackl 2013)? A table."""
+    for acts in (False, True):
+        for compared in COMPARED:
+            world = World(*compared, acts)
+            every = [world.found(seed) for seed in range(seeds)]
+            std = np.array([result.base.std for result, _ in every])
+            off = np.concatenate([off for _, off in every])
+            trusted = sum(result.level == "trust" for result, _ in every)
+            print(
+                f"wheels {world.speed:g} rad/s, torques {world.torques} within "
+                f"{world.scale:g}, slow torque {acts}: M +- {np.mean(std[:, 0]):.3g} "
+                f"kg, base parameters +- {np.exp(np.mean(np.log(std))):.3g} (mean), "
+                f"{100 * np.mean(np.abs(off) < 1.96):.1f} % of intervals hold, rms "
+                f"{np.sqrt(np.mean(off**2)):.2f}, {trusted} of {seeds} trusted",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
