@@ -22,7 +22,7 @@ from orbident.estimation.momentum_problem import (
 )
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.sensors import torque_columns
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import Recursive
 from orbident.extras import provided
@@ -90,6 +90,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         sensitivity=shown.sensitivity,
         sources=shown.sources,
         disturbances=shown.disturbances,
+        drives=shown.drives,
         allowed=shown.allowed,
         widened_by=shown.widened_by,
         unexpected=shown.unexpected,
@@ -189,7 +190,7 @@ def _begun(
 def _by_torque(problem: MomentumProblem, estimator: Estimator) -> bool:
     """Whether torques of joints were recorded, and the method takes them."""
     takes = isinstance(estimator, OutputError)
-    return takes and any(map(problem.recording.has, torque_columns(problem.robot)))
+    return takes and bool(joints_with_torques(problem.robot, problem.recording))
 
 
 def solved_by(

@@ -49,9 +49,10 @@ def torque_column(joint: str) -> str:
     return f"joint.{joint}.torque"
 
 
-def torque_columns(robot: Robot) -> list[str]:
-    """Those of all joints."""
-    return [torque_column(name) for name in robot.joint_names]
+def joints_with_torques(robot: Robot, recording: Recording) -> list[str]:
+    """The joints whose torque was recorded."""
+    names = robot.joint_names
+    return [name for name in names if recording.has(torque_column(name))]
 
 
 @dataclass(frozen=True)
@@ -102,11 +103,12 @@ def sensors_of(
     if joints and not exact:
         angles = [recording.column(f"joint.{n}.position") for n in robot.joint_names]
         tables["joints"] = np.column_stack(angles)
-    torques = torque_columns(robot)
-    if any(recording.has(column) for column in torques):
-        zero = np.zeros(recording.t.size)
-        columns = [recording.column(x) if recording.has(x) else zero for x in torques]
-        tables[TORQUES] = np.column_stack(columns)
+    driven = joints_with_torques(robot, recording)
+    if driven:
+        tables[TORQUES] = torques = np.zeros((recording.t.size, len(robot.joints)))
+        for name in driven:
+            which = robot.joint_names.index(name)
+            torques[:, which] = recording.column(torque_column(name))
     times, samples = {}, {}
     for name in list(tables):
         table = tables.pop(name)
