@@ -318,6 +318,8 @@ class TorqueSpec(Sampled):
 
 
 OfJoints = EncoderSpec | TorqueSpec
+"""Sensors of which each joint has one."""
+
 AnySensor = GyroSpec | AccelerometerSpec | OfJoints | AttitudeSpec | PositionSpec
 """A sensor of which something is declared."""
 
