@@ -246,8 +246,10 @@ def main(seeds: int) -> None:
         for compared in COMPARED:
             world = World(*compared, acts)
             every = [world.found(seed) for seed in range(seeds)]
-            std = np.array([result.base.std for result, _ in every])
-            off = np.concatenate([off for _, off in every])
+            # What is refused has no numbers.
+            kept = [each for each in every if each[0].status == "ok"]
+            std = np.array([result.base.std for result, _ in kept])
+            off = np.concatenate([off for _, off in kept])
             trusted = sum(result.level == "trust" for result, _ in every)
             print(
                 f"wheels {world.speed:g} rad/s, torques {world.torques} within "

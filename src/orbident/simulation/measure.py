@@ -118,8 +118,9 @@ class Truth(NamedTuple):
             columns[f"joint.{name}.position"] = self.q[:, k]
             columns[f"joint.{name}.velocity"] = self.qd[:, k]
         torques = self.shown_torques(robot)
-        for k, name in enumerate(robot.joint_names if torques is not None else ()):
-            columns[f"joint.{name}.torque"] = torques[:, k]
+        if torques is not None:
+            names = (f"joint.{name}.torque" for name in robot.joint_names)
+            columns |= zip(names, torques.T, strict=True)
         for k, name in enumerate(robot.wheel_names):
             columns[f"wheel.{name}.position"] = self.q_rw[:, k]
             columns[f"wheel.{name}.speed"] = self.qd_rw[:, k]

@@ -1,6 +1,7 @@
 import math
 from dataclasses import make_dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from urdf_texts import ARM
@@ -20,7 +21,7 @@ SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
 )
 
 
-def of_drives(robot: Robot) -> dict[str, dict[str, float]]:
+def of_drives(robot: Robot) -> dict[str, Any]:
     """Friction and rotors of which nothing is said: they may be anything."""
     anything = dict.fromkeys(robot.joint_names, math.inf)
     kinds = ("armature", "viscous", "coulomb", "torque_offset")

@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 
 from orbident.errors import InputError
@@ -111,18 +111,19 @@ def mean_torques(
 
 def _that_count(
     robot: Robot, samples: Samples, torque: Float[np.ndarray, "n joints"]
-) -> np.ndarray:
+) -> Bool[np.ndarray, " joints"]:
     """Joints whose torque is measured, and that nothing else moves or holds."""
     bound = {name for each in robot.couplings for name in each[:2]}
     others = {*bound, *robot.passive, *samples.locked}
-    return torque.any(axis=0) & [name not in others for name in robot.joint_names]
+    free = np.array([name not in others for name in robot.joint_names])
+    return np.any(torque, axis=0) & free
 
 
 def joints_driven(
     robot: Robot, weights: Float[np.ndarray, "rows joints"]
 ) -> tuple[str, ...]:
     """The columns of torques that count."""
-    counts = weights.any(axis=0)
+    counts = np.asarray(weights.any(axis=0))
     names = zip(robot.joint_names, counts, strict=True)
     return tuple(torque_column(name) for name, some in names if some)
 
