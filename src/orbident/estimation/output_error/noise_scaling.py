@@ -279,12 +279,10 @@ def sensor_signals(
     for name, weights in problem.weights.items():
         seen, counts = that_count(weights)
         std = sensors.by_name[name].std * found.levels[name]
-        noise = sensors.by_name[name]
+        if name == TORQUES and seen.any():
+            # Means over intervals, most of which are as long.
+            std /= float(np.median(weights[weights > 0])) * sensors.by_name[name].std
         error = of_axes(some_of(found.residuals[name], seen), counts) * std
-        if name == TORQUES:
-            # A mean over an interval is as many times as sure as a sample.
-            used = of_axes(some_of(weights, seen), counts)
-            error = error / np.where(used > 0, noise.std * used, np.inf)
         if name == "attitude":
             measured = error
         else:
