@@ -25,6 +25,7 @@ from orbident import _core
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.core_robot import core_tree
+from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import GearedRotor, Robot
@@ -109,8 +110,14 @@ class Found(NamedTuple):
     armature: np.ndarray
 
 
-def found(plant: Robot, seed: int) -> Found:
-    """Identify a flight with a CAD model that is off by 10 %, by a wrong friction."""
+def found(plant: Robot, seed: int, declared: bool = True) -> Found:
+    """Identify a flight with a CAD model that is off by 10 %, and unknown friction.
+
+    Args:
+        plant: what flies.
+        seed: of the flight.
+        declared: whether the robot file has the rotors, which are 30 % off there.
+    """
     random = np.random.default_rng(seed)
     motion = random_motion(plant, seed, 60.0, SPEED, "turning")
     recording = Flight(plant, motion, NOTHING).recorded(seed)
@@ -120,7 +127,12 @@ def found(plant: Robot, seed: int) -> Found:
         name: rotor._replace(inertia=1.3 * rotor.inertia)
         for name, rotor in plant.rotors.items()
     }
-    known = replace(plant, theta=cad * plant.theta, friction={}, rotors=rotors)
+    known = replace(
+        plant,
+        theta=cad * plant.theta,
+        friction={},
+        rotors=rotors if declared else {},
+    )
     result = identify(known, recording)
     beta = minimal_sets(plant).beta(plant.theta)
     friction, armature = [], []
@@ -144,19 +156,31 @@ def test_identified_without_a_wheel(seed):
     assert np.abs(np.concatenate([base, friction])).max() < FAR
 
 
-def test_rotors_follow_from_torques_and_known_gears():
-    """Their `N (N - 1) J`, of which the robot file knows a half."""
+@pytest.mark.parametrize(("declared", "std"), [(True, 0.5), (False, np.inf)])
+def test_rotors_follow_from_torques(declared, std):
+    """`N (N - 1) J`, of which the robot file knows a half, or nothing."""
     robot = flown_robot(wheels=True)
     rotors = {name: GearedRotor(100.0, 1e-4, 0.5) for name in robot.joint_names}
-    armature = dict.fromkeys(robot.joint_names, 0.5 * 1.3 * 0.99)
+    armature = dict.fromkeys(robot.joint_names, std * 1.3 * 0.99)
     tolerances = replace(robot.tolerances, joint_armature=armature)
     plant = replace(robot, rotors=rotors, tolerances=tolerances)
-    result, base, friction, off = found(plant, 1)
+    result, base, friction, off = found(plant, 1, declared)
     assert result.status == "ok"
     assert off.size == len(robot.joints)
+    if not declared:
+        assert "motors' rotors are not in" not in repr(result.dynamics())
     assert np.abs(np.concatenate([base, friction, off])).max() < FAR
     for fit in result.drives.values():
         assert fit.armature_std < 0.03 * fit.armature
+    # A tolerance of a half would leave half of the joints' own entries of `H+`.
+    q, joints = np.zeros(len(robot.joints)), slice(6, 6 + len(robot.joints))
+    model = result.dynamics()
+    v = np.zeros(6 + q.size + len(robot.wheels))
+    H = equations_of_motion(plant, q[None], v[None]).H[0]
+    std = np.diag(model.H_plus_std(q))[joints]
+    error = np.diag(model.H_plus(q) - H)[joints]
+    assert (np.abs(error) < FAR * std).all()
+    assert (std < 0.03 * np.diag(H)[joints]).all()
 
 
 @pytest.mark.long

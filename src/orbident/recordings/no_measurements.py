@@ -76,7 +76,8 @@ def no_measurements(
     - An impossible value: all the others lie a hundred times closer together.
     - Repeats of the sample before, where a tenth of the values is held so. The first of
       each is kept. A coarse sensor repeats too, but then goes on by its smallest step.
-    - A pose or a torque that is frozen: five or more in a row, which begin or end with a leap.
+    - A pose or a torque that is frozen: five or more in a row, which begin or end with
+      a leap.
 
     Args:
         sensor: the name of its group of columns.
