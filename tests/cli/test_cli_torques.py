@@ -63,3 +63,14 @@ def test_from_the_file_to_the_result(without_wheels: Orbident):
 def test_without_torques_there_is_no_scale(without_wheels: Orbident):
     refused = without_wheels("identify", "arm.yaml", "r.csv", "--method", "structured")
     assert "or record torques of joints" in refused.err
+
+
+def test_a_second_recording_without_torques_is_named(without_wheels: Orbident):
+    made = ("simulate", "arm.yaml", "motion.yaml", "--noise", "sensors", "--seed", "5")
+    without_wheels(*made, "-o", "s.csv").done()
+    rows = [line.split(",") for line in Path("s.csv").read_text().splitlines()]
+    kept = [k for k, name in enumerate(rows[0]) if not name.endswith(".torque")]
+    lines = [",".join(row[k] for k in kept) for row in rows]
+    Path("s.csv").write_text("\n".join([*lines, ""]))
+    refused = without_wheels("identify", "arm.yaml", "r.csv", "s.csv")
+    assert "s: pi has no scale: the robot has no reaction wheel" in refused.err
