@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 308,
-    "lines": 58_849,
-    "files of estimation": 49,
-    "lines of estimation": 11_010,
+    "files": 310,
+    "lines": 59_584,
+    "files of estimation": 50,
+    "lines of estimation": 11_392,
     "files with one user": 66,
     "imports below each other": 31,
     "numbers without a reason": 38,

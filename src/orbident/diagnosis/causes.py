@@ -31,6 +31,7 @@ from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.recordings.column_checks import float32_step
@@ -269,7 +270,8 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     price = np.log(problem.samples.t.size)
     worth: list[tuple[Rival, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
-    for kind in kinds(problem.robot, problem.samples.wrenches):
+    driven = joints_with_torques(problem.robot, problem.recording)
+    for kind in kinds(problem.robot, problem.samples.wrenches, driven):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size
