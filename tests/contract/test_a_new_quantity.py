@@ -17,7 +17,12 @@ from orbident.estimation.checks import Check
 from orbident.estimation.quantities import MassRoutes, Quantity, TotalMass
 from orbident.estimation.result import Result
 from orbident.estimation.solution import Step
-from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, SpringFit
+from orbident.estimation.unknowns import (
+    CalibrationFit,
+    DisturbanceFit,
+    DriveFit,
+    SpringFit,
+)
 from orbident.files.json_parts import Keyed, NullableTable, as_computed
 from orbident.identified import run_folder
 from orbident.identified.run_folder import load_result, save_result
@@ -110,6 +115,7 @@ def full(robot: Robot) -> Result:
         convergence=(Step(1e9, nan), Step(1e3, 0.5, 2)),
         biases={"gyro.x": {"value": 1e-4, "std": 1e-6}},
         springs={"panel": SpringFit(0.3, 1e-3, 5e-3, 1e-4)},
+        drives={"elbow": DriveFit(1.0, 0.1, 2.0, 0.2, 3.0, 0.3, -4.0, 0.4)},
         calibration={"gyro.scale.x": CalibrationFit(0.1, 0.2, 0.3)},
         disturbances={"drag": DisturbanceFit("drag", "N", 1e-3, 1e-4, 2.0)},
         allowed={"drag": 2e-3, "pull": nan},

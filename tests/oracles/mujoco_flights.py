@@ -102,6 +102,7 @@ class _Plant:
         self.speeds = speeds * (1 + flight.breath * np.sin(angle))
         self.slopes = speeds * flight.breath * turning * np.cos(angle)
         self.inside = flight.dt / 2
+        self.tau = np.zeros(len(robot.joints))
 
     def start(self) -> None:
         """Stand as the trajectory begins."""
@@ -162,7 +163,11 @@ class _Plant:
         outside = np.zeros(model.nv)
         self.flight.acts(Stage(model, data, self.inside), outside)
         data.qfrc_applied[:] = outside
-        data.qfrc_applied[driven] += (M @ a + bias)[driven]
+        own = (M @ a + bias)[driven]
+        data.qfrc_applied[driven] += own
+        # On a joint, and on its rotor, which turns so many times as far.
+        self.tau = own[:n].copy()
+        self.tau[self.geared] += self.gear * own[wheels:]
 
     def row(self) -> tuple[np.ndarray | float, ...]:
         """Time, and what is true at it, in the order of `Truth`."""
@@ -191,6 +196,7 @@ class _Plant:
             attitude,
             place,
             velocity,
+            self.tau.copy(),
         )
 
 

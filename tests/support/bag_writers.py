@@ -48,13 +48,14 @@ def joint_state(
     names: Sequence[str],
     position: Numbers,
     velocity: Numbers = (),
+    effort: Numbers = (),
 ) -> Sent:
     fields = {
         "header": header(stamp),
         "name": list(names),
         "position": np.array(position, dtype=np.float64),
         "velocity": np.array(velocity, dtype=np.float64),
-        "effort": np.zeros(0),
+        "effort": np.array(effort, dtype=np.float64),
     }
     return Sent(topic, "sensor_msgs/JointState", received, fields)
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from instruments import Errors, TrueMotion, no_errors
 from random_robots import random_start, random_swing
+from scipy.interpolate import make_interp_spline
 
 from orbident import _core
 from orbident.estimation.output_error.problem import NO_ROWS, NOTHING, SENSORS
@@ -71,11 +72,14 @@ def segment_of(
     intervals: int = 1,
     errors: Errors | None = None,
     passive: Sequence[int] = (),
+    drives: np.ndarray | None = None,
 ) -> Segment:
     """A segment from the simulator, at every node; nothing is interpolated.
 
     With errors of the instruments, these are shown, and all are unknowns. Passive
-    joints swing as their springs want, from any state: not as the simulator's did.
+    joints swing as their springs want, from any state: not as the simulator's did. With
+    drives (5 x joints: scale of its torque sensor, armature, viscous and Coulomb
+    friction, offset) torques are shown too.
     """
     by = errors or no_errors(robot)
     believed, robot = robot, by.robot(robot)
@@ -99,6 +103,7 @@ def segment_of(
             motion.r_S[row], motion.v_S[row], motion.attitude[row]
         ),
         "velocity": by.velocities(motion.v_S[row], motion.w[row], motion.attitude[row]),
+        "torques": np.zeros((0, 3)),
     }
     every = np.ones(3)
     turning, moving = (Z, every - Z) if robot.motion == "planar" else (every, every)
@@ -110,7 +115,7 @@ def segment_of(
         "position": moving,
         "velocity": moving,
     }
-    weights = {name: np.tile(axes[name], (rows, 1)) for name in SENSORS}
+    weights = {name: np.tile(axis, (rows, 1)) for name, axis in axes.items()}
     weights["accelerometer"][-1] = 0.0
     sets, joints = minimal_sets(believed), len(robot.joints)
     r_cm = inertia_at(robot, motion.q[0]).r_cm
@@ -124,6 +129,29 @@ def segment_of(
     random = np.random.default_rng(seed)
     for k in passive:
         local[:, [9 + k, 9 + joints + k]] = random.standard_normal((len(local), 2))
+    over_intervals = np.zeros((intervals, joints, 2))
+    if drives is not None:
+        scale, armature, viscous, coulomb, offset = drives
+        jerk = make_interp_spline(t, qdd, k=5).derivative()(t)
+        _, qd_true, qdd_true = by.joints(q, qd, qdd)
+        qdd_true = qdd_true + by.clock[0] * jerk
+        torque = (
+            accelerations(robot, motion, qdd_true).tau
+            + armature * qdd_true
+            + viscous * qd_true
+        )
+        ends = t[2 * np.minimum(edges.astype(int), rows - 1)]
+        lasts = np.diff(ends)[:, None]
+        spline = make_interp_spline(t, torque, k=5)
+        mean = np.diff(spline.antiderivative()(ends), axis=0) / lasts
+        signs = np.random.default_rng(seed).uniform(-1, 1, mean.shape)
+        change = np.diff(spline(ends), axis=0) / lasts
+        over_intervals = np.stack([signs, change], axis=-1)
+        first = edges[:-1].astype(int)
+        samples["torques"], weights["torques"] = np.zeros((2, rows, joints))
+        shown = (1 + scale) * (mean + coulomb * signs + offset)
+        samples["torques"][first] = shown - by.clock[0] * change
+        weights["torques"][first] = 1.0
     laws = [[9.0, 0.5, 1.0, 1.0, *carried_inertia(believed, k)] for k in passive]
     recorded = _core.Recorded(
         tree=core_tree(believed),
@@ -148,6 +176,8 @@ def segment_of(
         walk=np.ones(9),
         passive=np.array(passive, dtype=float),
         laws=np.reshape(laws, (len(passive), 4 + robot.theta.size)),
+        driven=np.zeros((joints, 4)),
+        over_intervals=over_intervals,
     )
     common = np.concatenate([*outside, sets.beta(robot.theta)])
     assert common.size == OUTSIDE + sets.base.theta_of.shape[1]
@@ -156,6 +186,10 @@ def segment_of(
     if errors is not None:
         state = state.selecting(np.arange(by.vector.size, dtype=float))
         state = state._replace(common=np.append(common, by.vector))
+    if drives is not None:
+        last = recorded.places
+        state = state.selecting(np.arange(last - drives.size, last, dtype=float))
+        state.common[-drives.size :] = drives.ravel()
     return Segment(recorded, weights, state)
 
 

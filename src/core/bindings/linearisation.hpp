@@ -86,9 +86,9 @@ class OwnedSweep {
     interval.felt = take(3 * unknowns);
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
-    at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting + 3) * n);
+    at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting + 3 + K) * n);
     at.continuity = take(std::ptrdiff_t(BIASES + 2 * P) * n);
-    if (P == 0) return;
+    if (!all.own()) return;
     PassiveMemory& own = interval.own;
     own.places = places_.all;
     own.at = own_.at;
@@ -105,6 +105,9 @@ class OwnedSweep {
     own.K = take(states * unknowns);
     own.last = take(states * unknowns);
     own.rates = take(8 * P);
+    own.impulse = take(K);
+    own.impulse_by = take(K * unknowns);
+    own.row = take(unknowns);
     for (JointNode& node : own.joints) reads(node);
   }
   OwnedSweep(const OwnedSweep&) = delete;
@@ -120,7 +123,7 @@ class OwnedSweep {
     std::vector<int> place, displaced;
     std::vector<Motion<double>> fields;
     Places(const Recorded& recorded, const std::vector<int>& selected) {
-      if (recorded.springs == 0) return;
+      if (!recorded.own()) return;
       const CalibrationPlaces places = recorded.places();
       for (const int each : selected) {
         if (!places.is_geometry(each)) continue;

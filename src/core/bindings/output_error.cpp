@@ -139,12 +139,15 @@ void bind_output_error(nb::module_& m) {
            nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
            nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
-           nb::arg("passive"), nb::arg("laws"),
+           nb::arg("passive"), nb::arg("laws"), nb::arg("driven"), nb::arg("over_intervals"),
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
            "attitude and biases walk in a second. `passive`: joints that nobody measures; "
            "`laws` of each: squared rate, damping rate, walks of its position and rate, and by "
-           "theta the inertia that it carries.")
+           "theta the inertia that it carries. `driven`: what each joint's motor and friction "
+           "are taken to have, A, d, c and o of joint_torques.hpp; `over_intervals`: of "
+           "torques in each interval, the mean of the rate's sign, and by how much they change a "
+           "second.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
       .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },

@@ -11,9 +11,9 @@
 
 namespace orbident::python {
 
-constexpr std::size_t SENSORS = 6;
-constexpr const char* SENSOR[SENSORS] = {"gyro",   "accelerometer", "attitude",
-                                         "joints", "position",      "velocity"};
+constexpr std::size_t SENSORS = 7;
+constexpr const char* SENSOR[SENSORS] = {"gyro",     "accelerometer", "attitude", "joints",
+                                         "position", "velocity",      "torques"};
 
 // Columns of numbers, each for itself.
 struct Columns {
@@ -48,9 +48,11 @@ struct OwnedRecorded {
   int lasting;
   std::vector<Spring> springs;
   In<2> laws;
+  std::vector<DrivenJoint> driven;
+  In<3> over_intervals;
 
   std::int64_t axes(std::size_t sensor) const {
-    return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
+    return sensor == 3 || sensor == 6 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
   }
 
   Recorded view(int calibrations = 0) const {
@@ -78,6 +80,8 @@ struct OwnedRecorded {
     all.lasting = lasting;
     all.spring = springs.data();
     all.springs = static_cast<int>(springs.size());
+    all.driven = driven.data();
+    all.over_intervals = over_intervals.data();
     all.momentum = -1;
     all.first = first.data();
     all.prior = corrections.data();
@@ -87,8 +91,8 @@ struct OwnedRecorded {
 };
 
 inline Sensed* sensors_of(Recorded& all, std::size_t sensor) {
-  Sensed* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
-                                 &all.joints, &all.position,      &all.velocity};
+  Sensed* const each[SENSORS] = {&all.gyro,     &all.accelerometer, &all.attitude, &all.joints,
+                                 &all.position, &all.velocity,      &all.torques};
   return each[sensor];
 }
 
@@ -98,7 +102,8 @@ inline OwnedRecorded make_recorded(
     const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& corrections, const Array& walk, const Array& passive_, const Array& laws_) {
+    const Array& corrections, const Array& walk, const Array& passive_, const Array& laws_,
+    const Array& driven_, const Array& over_intervals_) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -146,7 +151,10 @@ inline OwnedRecorded make_recorded(
                     input<1>("walk", walk, {BIASES}),
                     static_cast<int>(lasting),
                     {},
-                    {}};
+                    {},
+                    {},
+                    input<3>("over_intervals", over_intervals_,
+                             {static_cast<std::int64_t>(edge.size()) - 1, K, 2})};
   const auto passive =
       whole_numbers("passive", input<1>("passive", passive_, {ANY}), static_cast<double>(K));
   all.laws =
@@ -162,6 +170,11 @@ inline OwnedRecorded make_recorded(
                            law[1],
                            {law[2], law[3]},
                            law + 4});
+  }
+  const auto driven = input<2>("driven", driven_, {K, 4});
+  for (std::int64_t k = 0; k < K; ++k) {
+    const double* x = driven.data() + 4 * k;
+    all.driven.push_back({x[0], x[1], x[2], x[3]});
   }
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
   for (std::size_t k = 0; k < SENSORS; ++k) {

@@ -11,6 +11,7 @@ from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.parameter_section import (
     TITLES,
+    drive_table,
     mass_rows,
     routes_left_out,
     spring_table,
@@ -41,14 +42,14 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     if result.status == "rejected":
         return [*_refused(result, everything), *written]
     if everything:
-        lines = [*result.summary()[:2], *_everything(result), *_springs(result)]
+        lines = [*result.summary()[:2], *_everything(result), *_joints(result)]
         lines += [*_sensitivity(result), *budget_lines(result.budget())]
         return [*lines, *written]
     return [
         *result.summary(),
         "",
         *_goodness(result),
-        *_springs(result),
+        *_joints(result),
         *_limits(result.budget()),
         *([NOTHING_ACTS.format(result.widened_by)] if result.allowed else []),
         *_sensitivity(result),
@@ -144,10 +145,10 @@ def _calibration(result: Any) -> list[str]:
     return ["", "calibration errors, SI or relative", *lines] if lines else []
 
 
-def _springs(result: Any) -> list[str | DataTable]:
-    """How passive joints swing."""
-    table = spring_table(result)
-    return [table] if table.rows else []
+def _joints(result: Any) -> list[str | DataTable]:
+    """How passive joints swing, and what the others drive against."""
+    tables = spring_table(result), drive_table(result)
+    return [table for table in tables if table.rows]
 
 
 def _disturbances(result: Any) -> list[str]:

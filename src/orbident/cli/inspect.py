@@ -102,7 +102,12 @@ def _deviations(known: Any) -> list[float | None]:
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     from orbident.cli.excite_tables import table_words
-    from orbident.cli.robot_tree import passive_words, rotor_words, wheel_words
+    from orbident.cli.robot_tree import (
+        friction_words,
+        passive_words,
+        rotor_words,
+        wheel_words,
+    )
     from orbident.robot.description import NO_ROTOR
 
     count = document["count"]
@@ -115,6 +120,7 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
         parent = robot.bodies[joint.parent]
         rotor = rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
         rotor += passive_words(robot.passive.get(joint.name))
+        rotor += friction_words(robot.friction.get(joint.name))
         lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}{rotor}")
     lines += [f"wheel   {wheel.name}: {wheel_words(wheel)}" for wheel in robot.wheels]
     if document.get("table"):

@@ -15,6 +15,7 @@ from orbident.robot.description import (
     Wheel,
 )
 from orbident.robot.formats.urdf_text import roll_pitch_yaw
+from orbident.robot.friction import Friction
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     MASS,
@@ -46,6 +47,7 @@ def robot_tree(robot: Robot) -> Tree:
         how = _joint_words(joint) + follows.get(joint.name, "")
         how += rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
         how += passive_words(robot.passive.get(joint.name))
+        how += friction_words(robot.friction.get(joint.name))
         words = f"{joint.name}  {how}\n{robot.bodies[k]}  "
         nodes.append(nodes[joint.parent].add(words + _body_words(robot, k)))
     for wheel in robot.wheels:
@@ -65,6 +67,17 @@ def passive_words(passive: Passive | None) -> str:
     return (
         f", passive at {passive.frequency:.4g} Hz +- {100 * passive.tolerance:.3g} %, "
         f"damped by {100 * passive.damping:.3g} %"
+    )
+
+
+def friction_words(friction: Friction | None) -> str:
+    """What is declared of it, SI."""
+    if friction is None:
+        return ""
+    sure = "" if friction.tolerance is None else f" +- {100 * friction.tolerance:.3g} %"
+    return (
+        f", friction {friction.viscous:.4g} viscous, {friction.coulomb:.4g} Coulomb, "
+        f"offset {friction.offset:.4g}{sure}"
     )
 
 

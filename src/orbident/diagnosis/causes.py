@@ -40,6 +40,7 @@ from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.files.names import joined
@@ -316,7 +317,8 @@ def _scored(
         return
     price = np.log(problem.samples.t.size)
     table = shown.sensitivity()
-    for kind in kinds(problem.robot, problem.samples.wrenches):
+    driven = joints_with_torques(problem.robot, problem.recording)
+    for kind in kinds(problem.robot, problem.samples.wrenches, driven):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size

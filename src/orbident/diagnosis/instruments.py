@@ -4,7 +4,7 @@ Where a joint is, and how its axis points, are errors of the robot file: the cor
 them beside those of instruments.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from orbident.diagnosis.trial import Trial, trial
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.problem import SENSORS
+from orbident.estimation.output_error.sensors import torque_column
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.preprocessing.wrenches import Wrenches, thrust_seen
 from orbident.robot.description import Robot
@@ -22,6 +23,10 @@ ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 
 LATE, THRUST = 0.3, 0.5
 """Deviations beforehand of thrusters, s and relative: a computer far away commands."""
+
+OTHERWISE, ROTOR = 2.0, 10.0
+"""The same of torques that are shown with another sign, and of what rotors behind gears
+add to a joint's inertia, kg m^2."""
 
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""
@@ -38,6 +43,8 @@ WORDS = {
     "thrusters.clock": ("the time at which thrusters act after their commands", LATE),
     "thrusters.pulse": ("how long thrusters are on", LATE),
     "thrusters.scale": ("the thrust of all thrusters together", THRUST),
+    "torque scales": ("the scale or the sign of the torque of joint {}", OTHERWISE),
+    "armature": ("what the motor's rotor behind a gear adds to joint {}", ROTOR),
     "place": (
         "the place of joint {} on its link in the robot file, so the geometry or "
         "length of that link,",
@@ -88,15 +95,19 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
         yield found._replace(cause=words, misfit=found.misfit + price, tolerable=True)
 
 
-def kinds(robot: Robot, wrenches: Wrenches) -> Iterator[ErrorKind]:
+def kinds(
+    robot: Robot, wrenches: Wrenches, driven: Iterable[str] = ()
+) -> Iterator[ErrorKind]:
     """The kinds of errors that a robot's instruments may have; clocks are apart.
 
     Args:
         robot: with its joints and wheels.
         wrenches: that were recorded.
+        driven: joints whose torques were.
     """
     families: dict[str, list[str]] = {}
-    for each in calibrations_of(robot, (*SENSORS, *thrust_seen(wrenches))):
+    recorded = (*SENSORS, *thrust_seen(wrenches), *map(torque_column, driven))
+    for each in calibrations_of(robot, recorded):
         families.setdefault(each.family, []).append(each.name)
     for family, names in families.items():
         key = family if family in WORDS else family.rpartition(".")[2]

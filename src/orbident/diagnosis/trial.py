@@ -15,6 +15,7 @@ from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.calibration import NOTHING_FREE
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -63,7 +64,8 @@ def trial(
         problem: as it would be.
         free: standard deviations beforehand of errors of instruments, by family; SI.
     """
-    if obstacles(problem):
+    driven = joints_with_torques(problem.robot, problem.recording)
+    if obstacles(problem, bool(driven)):
         return Trial(cause, False, np.inf)
     try:
         shown = OutputError(steps=FEW_STEPS, free=free).estimate(

@@ -92,7 +92,9 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_at_rest(shown or estimate),
             *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
-            *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
+            *beside_nominal(
+                estimate.mass, robot.mass, len(robot.wheels), bool(estimate.drives)
+            ),
             *possible_numbers(estimate),
         ]
     return Judgement(tuple(checks), pi, phi, base)

@@ -23,6 +23,7 @@ from orbident.estimation.solution import Convergence, Shared, Solution
 from orbident.estimation.unknowns import (
     CalibrationFit,
     DisturbanceFit,
+    DriveFit,
     Sensitivity,
     SpringFit,
 )
@@ -128,6 +129,8 @@ class BesideParameters:
     """The errors of instruments that have a tolerance."""
     springs: Mapping[str, Keyed[SpringFit]] = field(default_factory=dict)
     """How passive joints swing, by joint."""
+    drives: Mapping[str, Keyed[DriveFit]] = field(default_factory=dict)
+    """What torques of joints drive beside what the joints move, by joint."""
     disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
     """What acted from outside, where the recording shows that something did."""
     allowed: Mapping[str, NullableNumber] = field(default_factory=dict)

@@ -48,6 +48,18 @@ from orbident.recordings.no_measurements import NO_SENSORS
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
+STEADY = 1e-6
+"""Where wheels turn steadily, the known term of the momentum equation, nuisance apart,
+beside all of it: encoders of 0.2 mrad at 200 rad/s leave up to 5e-8 after smoothing, as
+slow as arms move, which parameters may explain by chance."""
+
+EXPLAINED = 0.9
+"""What the parameters must explain of it, squared: noise is explained hardly at all,
+and signals in wrong units or frames in part."""
+
+VARIES = 1e-2
+"""Below this part of the wheels' momentum it may be noise of their speeds."""
+
 ROUNDING = 1e-7
 """Residuals over the signal: what integration and float32 leave."""
 
@@ -79,6 +91,17 @@ class MomentumProblem:
     def late(self) -> dict[str, float]:
         """How far each sensor's clock is taken to be behind, s."""
         return corrections(self.clocks)
+
+    @property
+    def scale_seen(self) -> bool:
+        """Whether the wheels' momentum shows how large all parameters are."""
+        pi, h_rw = self.fits.pi, self.fits.h_rw
+        known = float(np.hypot(pi.explained, pi.unexplained))
+        # Where it varies by more, a torque may hide that they explain it: the fit
+        # decides.
+        unexplained = pi.explained**2 <= EXPLAINED * known**2
+        steady = known <= STEADY * h_rw
+        return not (steady or (known <= VARIES * h_rw and unexplained))
 
     @cached_property
     def linear_mass(self) -> Mass:

@@ -3,20 +3,12 @@
 import numpy as np
 
 from orbident.estimation.checks import Check
-from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.momentum_problem import EXPLAINED, VARIES, MomentumProblem
 from orbident.preprocessing.delays import LONGEST, NAMES
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
 # zero but for rounding.
 ROUNDING = 1e-9
-# The same where wheels turn steadily. Encoders of 0.2 mrad at 200 rad/s leave up to
-# 5e-8 after smoothing, as slow as arms move: parameters may explain that by chance.
-STEADY = 1e-6
-# What the parameters must explain of it, squared: noise is explained hardly at all, and
-# signals in wrong units or frames in part.
-EXPLAINED = 0.9
-# Below this part of the wheels' momentum the known term may be noise of their speeds.
-VARIES = 1e-2
 # Freeing a momentum that is rightly known hardly makes the residual smaller.
 FREED = 0.5
 # Deviations of the momentum beforehand that a robot at rest has not.
@@ -25,12 +17,17 @@ MOVING = 5.0
 SURPRISING = 0.3
 
 
-def obstacles(problem: MomentumProblem) -> list[Check]:
+def obstacles(problem: MomentumProblem, by_torque: bool = False) -> list[Check]:
     """What the linear fits show: each forbids a result.
 
     They know nothing of thrust, and a recording with some is not judged by them.
+
+    Args:
+        problem: of a recording.
+        by_torque: whether torques of joints show how large all parameters are.
     """
-    scale = [] if problem.samples.unknown_thrust else _no_scale(problem)
+    told = problem.samples.unknown_thrust or (by_torque and not problem.scale_seen)
+    scale = [] if told else _no_scale(problem)
     return [*_clocks_apart(problem), *scale, *_no_velocity(problem)]
 
 
@@ -87,11 +84,7 @@ def _no_scale(problem: MomentumProblem) -> list[Check]:
             f"{pi.unexplained_freed / pi.unexplained:.2g} of what it is)"
         )
         return [_refused("at rest", reason, "use --initial-momentum unknown")]
-    # Where it varies by more, a torque may hide that they explain it: the fit decides.
-    unexplained = pi.explained**2 <= EXPLAINED * _known(problem) ** 2
-    if _known(problem) <= STEADY * fits.h_rw or (
-        _varies_little(problem) and unexplained
-    ):
+    if not problem.scale_seen:
         reason, remedy = _why_no_scale(problem)
         return [_refused("scale", f"pi has no scale: {reason}", remedy)]
     return []
@@ -104,23 +97,13 @@ def _moving(problem: MomentumProblem) -> bool:
     return bool((np.abs(problem.fits.pi.freed) > MOVING * problem.rest_std[axes]).any())
 
 
-def _known(problem: MomentumProblem) -> float:
-    """The known term of Eq. 24, nuisance apart, N m s."""
-    pi = problem.fits.pi
-    return float(np.hypot(pi.explained, pi.unexplained))
-
-
-def _varies_little(problem: MomentumProblem) -> bool:
-    """Whether it may be noise of the wheels' speeds."""
-    return _known(problem) <= VARIES * problem.fits.h_rw
-
-
 def _why_no_scale(problem: MomentumProblem) -> tuple[str, str]:
     """What was found, and the remedy."""
     if not problem.robot.wheels:
         return (
             "the robot has no reaction wheel, so only ratios show",
-            "declare its wheels and spin one up before recording",
+            "declare its wheels and spin one up before recording, or record torques of "
+            "joints, which --method maximum-likelihood takes",
         )
     if problem.initial_momentum == "at-rest":
         return (

@@ -120,16 +120,19 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
     yield Check("routes to the mass", level, reason, remedy, max(over.values()), 1.0)
 
 
-def beside_nominal(M: Quantity, nominal: float, wheels: int) -> Iterator[Check]:
+def beside_nominal(
+    M: Quantity, nominal: float, wheels: int, torques: bool = False
+) -> Iterator[Check]:
     """Whether the mass is far from the nominal one, as it is with a wrong scale.
 
-    Wheels or known thrust alone give the scale, so nothing else in a recording shows
-    that wheel speeds are in another unit, or that inertia or thrust is wrong.
+    Wheels, known thrust or torques alone give the scale, so nothing else in a recording
+    shows that wheel speeds are in another unit, or that inertia or thrust is wrong.
 
     Args:
         M: the identified mass, kg.
         nominal: the mass in the robot file, kg.
         wheels: how many wheels the robot has.
+        torques: whether those of joints were measured.
     """
     times = M.value / nominal
     if not (times > TIMES or times < 1 / TIMES):
@@ -137,12 +140,16 @@ def beside_nominal(M: Quantity, nominal: float, wheels: int) -> Iterator[Check]:
     units = [
         unit for unit, factor in WHEEL_UNITS.items() if 1 / NEAR < times / factor < NEAR
     ]
-    known = "wheel speeds and the wheels' inertia" if wheels else "the thrust"
+    source, known = "thrust", "the thrust"
+    if wheels:
+        source, known = "wheels", "wheel speeds and the wheels' inertia"
+    elif torques:
+        source, known = "torques of joints", "the torques"
     yield Check(
         MASS_BESIDE_NOMINAL,
         "do not trust" if wheels and units else "with care",
         f"mass: {M.value:.4g} kg is {times:.2g} times the nominal {nominal:.4g} kg, "
-        f"and only {'wheels' if wheels else 'thrust'} can say how large pi and M are",
+        f"and only {source} can say how large pi and M are",
         f"see whether wheel speeds are in {units[0]} and not in rad/s"
         if wheels and units
         else f"check the unit of {known}, unless the robot holds or has lost a load",

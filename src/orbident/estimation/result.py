@@ -1,6 +1,6 @@
 """What identification found: the object that all later stages are given."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Annotated, Any, Literal
@@ -46,7 +46,11 @@ from orbident.gaussian import NINETY_FIVE
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
-from orbident.model.rotor_momentum import rotor_deviations, rotor_parts
+from orbident.model.rotor_momentum import (
+    rotor_deviations,
+    rotor_parts,
+    with_armatures,
+)
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.extent import RecordedMotion
 from orbident.robot.description import NO_ROTOR, Robot
@@ -273,11 +277,13 @@ class Result(BesideParameters, Identified):
     def links(self) -> EstimatedSet:
         """The base parameters that declared rotors are in, of the links alone.
 
-        The rotors are taken out, and their tolerance is in the deviations.
+        The rotors are taken out, and their tolerance is in the deviations, or how
+        surely torques showed them.
         """
         sets, base = minimal_sets(self.robot), self.base
+        robot = self._with_rotors(self.robot.rotors)
         each, off = (
-            sets.base.T @ part(self.robot) for part in (rotor_parts, rotor_deviations)
+            sets.base.T @ part(robot) for part in (rotor_parts, rotor_deviations)
         )
         rotors, size = each.sum(axis=1), np.abs(each).max(axis=1, initial=0.0)
         declared = dict.fromkeys(self.robot.rotors, NO_ROTOR)
@@ -328,7 +334,17 @@ class Result(BesideParameters, Identified):
                 such parameters.
         """
         self.check_accepted()
-        return reconstructed(self.robot, self.base.values, self.base_covariance)
+        robot = self._with_rotors(self.drives)
+        return reconstructed(robot, self.base.values, self.base_covariance)
+
+    def _with_rotors(self, names: Collection[str]) -> Robot:
+        """The robot with the rotors of some joints as torques showed them."""
+        found = {
+            name: fit[:2]
+            for name, fit in self.drives.items()
+            if name in names and fit.armature_std and fit.armature
+        }
+        return with_armatures(self.robot, found)
 
     @property
     def plot(self) -> Any:

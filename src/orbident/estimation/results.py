@@ -15,6 +15,7 @@ from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import BesideParameters, Estimate
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.parameter_checks import is_a_mass, sigmas_apart
 from orbident.estimation.quantities import (
     NO_ROUTES,
@@ -29,9 +30,10 @@ from orbident.estimation.quantities import (
 from orbident.estimation.result import Residual, Result, SensorResidual
 from orbident.estimation.signals import Signals, equation_signals
 from orbident.estimation.triangular import condition_numbers
-from orbident.estimation.unknowns import CalibrationFit
+from orbident.estimation.unknowns import DRIVE, SPRING, CalibrationFit
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import as_computed, nulled
+from orbident.files.names import listed
 from orbident.model.formulas import (
     Formulas,
     SetFormulas,
@@ -69,6 +71,7 @@ def result_of(
             *problem.notes,
             *rejected_in_words(problem.rejected),
             *clocks_in_words(problem.clocks),
+            *_unused_torques(problem, method, estimate),
             *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
         ),
         **vars(identified),
@@ -188,16 +191,20 @@ def _mass_forms(
 def _calibration(
     problem: MomentumProblem, estimate: Estimate
 ) -> dict[str, CalibrationFit]:
-    """That of a clock that was corrected is said with the clocks, and springs apart.
+    """Without what is said elsewhere: a clock that was corrected, springs, drives.
 
     Where a clock has a tolerance, it is how late the clock is in all.
     """
-    springs = {
+    apart = {
         f"joint.{name}.{what}"
-        for name in problem.robot.passive
-        for what in ("frequency", "damping")
+        for names, of_each in (
+            (problem.robot.passive, SPRING),
+            (estimate.drives, DRIVE),
+        )
+        for name in names
+        for what in of_each
     }
-    found = {n: fit for n, fit in estimate.calibration.items() if n not in springs}
+    found = {n: fit for n, fit in estimate.calibration.items() if n not in apart}
     known = problem.robot.tolerances.joint_clock
     late = problem.late.get("joints", 0.0)
     if late and CLOCK in found:
@@ -205,6 +212,22 @@ def _calibration(
         if known:
             found[CLOCK] = CalibrationFit(late + rest.value, rest.std, known)
     return found
+
+
+def _unused_torques(
+    problem: MomentumProblem, method: str, estimate: Estimate
+) -> list[str]:
+    """Which torques do not count, and why."""
+    shown = joints_with_torques(problem.robot, problem.recording)
+    if shown and method != "maximum-likelihood":
+        return [f"{method} leaves torques of joints out: maximum-likelihood takes them"]
+    left = [name for name in shown if name not in estimate.drives]
+    if not left:
+        return []
+    return [
+        f"torques of {listed(left)} do not count: such a joint stands, is zero "
+        "throughout, moves by another one, or has gaps between its samples"
+    ]
 
 
 def _residual(estimate: Estimate) -> Residual:

@@ -9,7 +9,7 @@ One result of several recordings: what is each one's own begins with its name.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, compress
 from pathlib import Path
 from typing import TypeVar
 
@@ -62,7 +62,14 @@ def agreement(solved: Sequence[Solved], labels: Sequence[str]) -> Check:
 
     is chi-square distributed where they do (Cochran 1954).
     """
-    name, every = "agreement of recordings", range(len(solved))
+    name = "agreement of recordings"
+    # What nothing gave a scale has no numbers, and is refused by itself.
+    told = [np.isfinite(x.estimate.parameters.base.covariance).all() for x in solved]
+    labels = [*compress(labels, told)]
+    solved = [*compress(solved, told)]
+    every = range(len(solved))
+    if len(solved) < 2:
+        return Check(name, "trust", "there are no two recordings that tell a robot")
     Q = _differ(solved)
     most = limit("same robot", Q.dof)
     if Q.value <= most:

@@ -27,6 +27,7 @@ SIGNAL_UNITS = {
     "position": "m",
     "velocity": "m/s",
     "joints": "rad or m",
+    "torques": "N m or N",
     "momentum": "N m s",
 }
 """The units of the signals that may be predicted, by sensor or equation."""

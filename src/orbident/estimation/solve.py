@@ -22,6 +22,7 @@ from orbident.estimation.momentum_problem import (
 )
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import Recursive
 from orbident.extras import provided
@@ -89,6 +90,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         sensitivity=shown.sensitivity,
         sources=shown.sources,
         disturbances=shown.disturbances,
+        drives=shown.drives,
         allowed=shown.allowed,
         widened_by=shown.widened_by,
         unexpected=shown.unexpected,
@@ -145,14 +147,15 @@ def solve(
     problem = _with_what_is_left_out(problem, estimator)
     # What needs no fit comes first.
     mistaken = [] if shown else provided("plain_mistake")(problem)
-    hindered = [*mistaken, *obstacles(problem)]
+    by_torque = _by_torque(problem, estimator)
+    hindered = [*mistaken, *obstacles(problem, by_torque)]
     if not hindered:
         parted = _in_parts(problem, estimator, later)
         if parted is not None:
             return parted
         if shown is None:
             problem, shown = evidence(problem, estimator, later)
-        hindered = obstacles(problem)
+        hindered = obstacles(problem, by_torque)
     if hindered:
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
@@ -191,11 +194,17 @@ def _begun(
         # Something must be integrated over all rows, in memory.
         held = recording.read()
         return _begun(robot, held, initial_momentum, estimator, progress)
-    if not obstacles(problem):
+    if not obstacles(problem, _by_torque(problem, estimator)):
         # Its clocks are settled before all rows are read.
         problem, shown = evidence(problem, estimator, lambda _: None)
     again = not isinstance(estimator, LeastSquares)
     return Evidence(whole(problem, recording, again, progress), shown)
+
+
+def _by_torque(problem: MomentumProblem, estimator: Estimator) -> bool:
+    """Whether torques of joints were recorded, and the method takes them."""
+    takes = isinstance(estimator, OutputError)
+    return takes and bool(joints_with_torques(problem.robot, problem.recording))
 
 
 def solved_by(

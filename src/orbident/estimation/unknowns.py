@@ -23,6 +23,13 @@ class CalibrationFit(NamedTuple):
     that is further off than that, and so was free."""
 
 
+SPRING = ("frequency", "damping")
+"""The last words of errors of a passive joint, `joint.panel.frequency`."""
+
+DRIVE = ("armature", "viscous", "coulomb", "torque_offset")
+"""The same of what a joint's torque drives beside what the joint moves."""
+
+
 class SpringFit(NamedTuple):
     """How a passive joint swings where the body that carries it is held."""
 
@@ -32,6 +39,26 @@ class SpringFit(NamedTuple):
     damping: FiniteNumber
     """Over critical damping."""
     damping_std: FiniteNumber
+
+
+class DriveFit(NamedTuple):
+    """What a joint's torque drives beside what the joint moves; SI.
+
+    It is `armature qdd + viscous qd + coulomb sign(qd) + offset`.
+    """
+
+    armature: FiniteNumber
+    """`N (N - 1) J` of the motor's rotor, kg m^2 or kg."""
+    armature_std: FiniteNumber
+    viscous: FiniteNumber
+    """N m s or N s/m."""
+    viscous_std: FiniteNumber
+    coulomb: FiniteNumber
+    """N m or N."""
+    coulomb_std: FiniteNumber
+    offset: FiniteNumber
+    """N m or N."""
+    offset_std: FiniteNumber
 
 
 class Sensitivity(NamedTuple):

@@ -7,7 +7,7 @@ taken as a ball with this inertia, at the CM of the nominal base, so that the ba
 little else.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import count
 from typing import Literal, NamedTuple
@@ -27,6 +27,7 @@ from orbident.model.rotor_momentum import (
     theta_with_rotors,
 )
 from orbident.robot.description import Coupling, Joint, Robot, Wheel
+from orbident.robot.friction import Friction
 from orbident.robot.fusing import fused
 from orbident.robot.oddities import nonphysical
 from orbident.robot.parameters import (
@@ -167,6 +168,8 @@ class Mechanism(NamedTuple):
     """What is said of motors' rotors that are not in it."""
     lacks_without_armature: str
     """What a format that has no place for `armature` says of rotors, instead."""
+    friction: Mapping[str, Friction]
+    """Of joints, by their names, where it is declared or was found."""
 
 
 class ExportedRobot(NamedTuple):
@@ -209,7 +212,13 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
             "95 % region; check the robot's geometry, structure and rotors, or record "
             "a richer trajectory" + (WITH_ROTORS if held else "")
         )
-    made = replace(robot, theta=bodies.theta - geared)
+    # What is found below zero is noise, and simulators refuse it.
+    found = {
+        name: Friction(max(fit.viscous, 0.0), max(fit.coulomb, 0.0), fit.offset)
+        for name, fit in result.drives.items()
+    }
+    friction = {**robot.friction, **found}
+    made = replace(robot, theta=bodies.theta - geared, friction=friction)
     return ExportedRobot(made, mechanism_of(made, wheels), bodies.deviation)
 
 
@@ -246,6 +255,7 @@ def mechanism_of(robot: Robot, wheels: tuple[WheelBody, ...]) -> Mechanism:
         armature,
         lacking_rotors(robot),
         lacking_rotors(robot, NO_ARMATURE),
+        robot.friction,
     )
 
 

@@ -33,6 +33,7 @@ from orbident.identified.urdf_export import add_comment
 from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Joint, Robot
 from orbident.robot.formats.urdf_text import roll_pitch_yaw, spaced
+from orbident.robot.friction import NO_FRICTION, Friction
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
@@ -70,7 +71,10 @@ def mjcf(robot: Mechanism) -> str:
     for name, joint, theta, armature in zip(
         robot.bodies[1:], robot.joints, robot.theta[1:], robot.armature, strict=True
     ):
-        bodies.append(_body(bodies[joint.parent], name, joint, float(armature)))
+        friction = robot.friction.get(joint.name, NO_FRICTION)
+        bodies.append(
+            _body(bodies[joint.parent], name, joint, float(armature), friction)
+        )
         _add_inertial(bodies[-1], theta)
     for follower, leader, factor, offset in robot.couplings:
         ET.SubElement(
@@ -98,7 +102,9 @@ def _add_root_joints(base: ET.Element, robot: Mechanism) -> None:
         ET.SubElement(base, "joint", name=free, type=kind, axis=axis)
 
 
-def _body(parent: ET.Element, name: str, joint: Joint, armature: float) -> ET.Element:
+def _body(
+    parent: ET.Element, name: str, joint: Joint, armature: float, friction: Friction
+) -> ET.Element:
     x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
     body = ET.SubElement(parent, "body", name=name, pos=spaced(joint.p_PJ), quat=x)
     about = ET.SubElement(
@@ -112,6 +118,9 @@ def _body(parent: ET.Element, name: str, joint: Joint, armature: float) -> ET.El
         about.set("range", spaced(joint.within(LARGEST)))
     if armature:
         about.set("armature", repr(armature))
+    for key, value in (("damping", friction[0]), ("frictionloss", friction[1])):
+        if value:
+            about.set(key, repr(value))
     return body
 
 

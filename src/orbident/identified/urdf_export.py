@@ -113,6 +113,13 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         com = theta_link[FIRST_MOMENT] / (m or 1.0)
         I = inertia_about_com(theta_link) if m else np.zeros((3, 3))
         link.insert(0, inertial_element(m, com, I))
+    for joint in root.findall("joint"):
+        if friction := robot.friction.get(joint.get("name", "")):
+            dynamics = joint.find("dynamics")
+            if dynamics is None:
+                dynamics = ET.SubElement(joint, "dynamics")
+            dynamics.set("damping", repr(friction.viscous))
+            dynamics.set("friction", repr(friction.coulomb))
     add_comment(root, lacking_rotors(robot, NO_ROTORS))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"

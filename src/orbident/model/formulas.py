@@ -122,11 +122,12 @@ NEVER = 1e-9
 def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
     """Plain sentences: no scale, parameters that never show, or only in company."""
     sentences = []
-    if not robot.wheels and not robot.thrusters:
+    if not (robot.wheels or robot.thrusters or robot.sensors.torques):
         sentences.append(
             "the scale of pi, and so the total mass: without a reaction wheel the "
             "momentum equation has no known term; declare the robot's wheels, its "
-            "thrusters, or its magnetic torquers, and record them"
+            "thrusters, its magnetic torquers, or torque sensors at its joints, and "
+            "record them"
         )
     names = undeclared_rotors(robot)
     if names:

@@ -12,13 +12,15 @@ lacks `1/2 N (N - 1) J qd^2`: a constant in the joint's own entry of `H+`. Of th
 bodies momentum shows `I_p + I_c` and `I_c + N J` about the axis, and no more.
 """
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.files.names import listed
-from orbident.robot.description import NO_ROTOR, Robot
+from orbident.robot.description import NO_ROTOR, GearedRotor, Robot
 from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
 
 IN_FORMULAS = (
@@ -74,6 +76,26 @@ def rotor_deviations(robot: Robot) -> Float[np.ndarray, "theta joints"]:
 def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
     """The `theta` of bodies without rotors that have the robot's momentum."""
     return robot.theta + rotor_parts(robot).sum(axis=1).reshape(robot.theta.shape)
+
+
+UNKNOWN = GearedRotor(2.0, 0.0, 0.0)
+"""Of a joint whose gear nobody has declared: what is momentum has the base parameters,
+whatever the gear, and a joint's own entry of `H+` needs `N (N - 1) J` alone."""
+
+
+def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Robot:
+    """The robot whose rotors have these `N (N - 1) J`.
+
+    Args:
+        robot: with the gears that are declared.
+        found: by joint, with standard deviations above zero, kg m^2 or kg.
+    """
+    rotors = dict(robot.rotors)
+    for name, (armature, std) in found.items():
+        gear = rotors.get(name, UNKNOWN).gear
+        inertia, part = armature / (gear * (gear - 1)), std / abs(armature)
+        rotors[name] = GearedRotor(gear, inertia, part)
+    return replace(robot, rotors=rotors)
 
 
 def undeclared_rotors(robot: Robot) -> tuple[str, ...]:

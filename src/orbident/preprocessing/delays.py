@@ -85,7 +85,10 @@ def delay_of(
     return Delay(float(late), float(std), bool(settled and matters and better))
 
 
-SENSORS = ("joints", "wheels", "gyro", "accelerometer", "attitude", "position")
+SENSORS = (
+    *("joints", "wheels", "torques"),
+    *("gyro", "accelerometer", "attitude", "position"),
+)
 
 
 def delays(
@@ -116,7 +119,10 @@ def corrections(clocks: Mapping[str, Delay]) -> dict[str, float]:
         clocks: of `"joints"` (and wheels) and of `"attitude"` (and position); those of
             one of several recordings say nothing of another.
     """
-    shared = {"joints": ("joints", "wheels"), "attitude": ("attitude", "position")}
+    shared = {
+        "joints": ("joints", "wheels", "torques"),
+        "attitude": ("attitude", "position"),
+    }
     return {
         sensor: clocks[name].late
         for name, sensors in shared.items()

@@ -31,6 +31,7 @@ OF_PARTS = {
     "joint": {
         "position": "joint position, rad, or m for prismatic",
         "velocity": "joint rate, rad/s, or m/s for prismatic",
+        "torque": "torque on what a joint moves, N m, or N for prismatic",
     },
     "wheel": {
         "speed": "wheel speed relative to the base, rad/s",

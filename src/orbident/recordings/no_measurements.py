@@ -22,6 +22,9 @@ POSES = {"attitude", "position"}
 """What may be lost from sight. Other sensors may show the same for long: rates at rest,
 encoders of joints that are held."""
 
+TORQUE = ".torque"
+"""The end of the name of a sensor that may freeze too: its noise never rests."""
+
 FARTHER = 100.0
 """Times: no motion goes so much farther in one sample than in all the others."""
 
@@ -73,7 +76,8 @@ def no_measurements(
     - An impossible value: all the others lie a hundred times closer together.
     - Repeats of the sample before, where a tenth of the values is held so. The first of
       each is kept. A coarse sensor repeats too, but then goes on by its smallest step.
-    - A pose that is frozen: five or more in a row, which begin or end with a leap.
+    - A pose or a torque that is frozen: five or more in a row, which begin or end with
+      a leap.
 
     Args:
         sensor: the name of its group of columns.
@@ -85,7 +89,8 @@ def no_measurements(
         found[reason] = (table == value).any(axis=1)
     for mask in found.values():
         table[mask] = np.nan
-    return {**found, **repeats(table, sensor in POSES)}
+    frozen = sensor in POSES or sensor.endswith(TORQUE)
+    return {**found, **repeats(table, frozen)}
 
 
 def _impossible(x: Float[np.ndarray, " n"]) -> list[float]:
@@ -136,4 +141,4 @@ def repeats(
     sharpest = np.maximum(np.append(0.0, leaps), np.append(leaps, 0.0))
     least_leap = np.median(leaps) * (LEAP if coarse else 1 / LEAP)
     frozen = (lengths >= FROZEN) & (sharpest > least_leap)
-    return of_all(np.repeat(frozen, lengths), "sample of a frozen pose")
+    return of_all(np.repeat(frozen, lengths), "sample of a frozen sensor")

@@ -79,7 +79,7 @@ def parameters(result: Result, known_as: str) -> Section | None:
             f"differ most from {known_as}; all are below it, folded.",
         )
         tables += [_table("All base parameters", base, known_as)]
-    tables.insert(1, spring_table(result))
+    tables[1:1] = spring_table(result), drive_table(result)
     for name in ("links", "phi", "pi"):
         tables += [_table(TITLES[name], getattr(result, name), known_as)]
     return Section(
@@ -104,6 +104,28 @@ def spring_table(result: Result) -> DataTable:
     )
     head = ("passive joint", "swings at, Hz", "± std", "95 %", "damping, %", "± std")
     return table_of("How passive joints swing", head, rows)
+
+
+def drive_table(result: Result) -> DataTable:
+    """What torques of joints drive beside what the joints move."""
+    rows = tuple(
+        (name, *(x for value, std in pairs for x in _known(value, std)))
+        for name, fit in result.drives.items()
+        for pairs in [zip(fit[2::2], fit[3::2], strict=True)]
+    )
+    rotors = tuple(
+        _known(fit.armature, fit.armature_std) for fit in result.drives.values()
+    )
+    parts = ("viscous", "Coulomb", "offset")
+    head = ("joint", *(x for part in parts for x in (part, "± std")))
+    if any(fit.armature for fit in result.drives.values()):
+        head += ("N (N - 1) J", "± std")
+        rows = tuple((*row, *more) for row, more in zip(rows, rotors, strict=True))
+    return table_of("Friction and rotors of joints, SI", head, rows)
+
+
+def _known(value: float, std: float) -> tuple[Numeric, Numeric]:
+    return Numeric(value, ".4g", std), Numeric(std, ".2g")
 
 
 def masses(result: Result, known_as: str) -> Section | None:

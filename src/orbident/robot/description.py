@@ -21,6 +21,7 @@ from orbident.files.schema_parts import (
     nonzero_vector,
 )
 from orbident.orbits.orbit import Orbit
+from orbident.robot.friction import Friction
 from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
@@ -283,6 +284,8 @@ class Robot:
     rotors: Mapping[str, GearedRotor] = field(default_factory=dict)
     """The rotors of joints' motors, by joint, no part of `theta`; a joint that turns
     and is absent may have one."""
+    friction: Mapping[str, Friction] = field(default_factory=dict)
+    """What is known of joints' friction, by joint."""
     thrusters: tuple[Thruster, ...] = ()
     torquers: tuple[Torquer, ...] = ()
     known: KnownQuantities = field(default_factory=KnownQuantities)

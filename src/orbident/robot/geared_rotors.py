@@ -1,6 +1,7 @@
 """The motors' rotors of a robot file, joint by joint, and what a model says of them."""
 
 import json
+import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated
 
@@ -70,6 +71,22 @@ def rotors_by_joint(
                     f"out of structure.{bodies[body]}"
                 )
     return dict(given)
+
+
+def armature_stds(
+    rotors: Mapping[str, GearedRotor], joints: Sequence[Joint]
+) -> dict[str, float]:
+    """Standard deviations of `N (N - 1) J` by joint, kg m^2 or kg.
+
+    They are infinite where nothing is said of a joint's motor.
+    """
+    said = {joint.name: rotors.get(joint.name) for joint in joints}
+    return {
+        name: math.inf
+        if rotor is None
+        else abs(rotor.gear * (rotor.gear - 1)) * rotor.inertia * rotor.tolerance
+        for name, rotor in said.items()
+    }
 
 
 def proposed_rotors(

@@ -303,12 +303,12 @@ def _without_limits(robot: Robot) -> list[str]:
 
 
 def _without_wheels(robot: Robot) -> list[str]:
-    if robot.wheels or robot.thrusters:
+    if robot.wheels or robot.thrusters or robot.sensors.torques:
         return []
     return [
         "no wheels and no thrusters: without a momentum that is known, pi has no scale "
-        "and the mass is not identified; declare wheels (joints that are wheels) "
-        "or thrusters"
+        "and the mass is not identified; declare wheels (joints that are wheels), "
+        "thrusters, or torque sensors at joints"
     ]
 
 

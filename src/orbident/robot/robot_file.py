@@ -20,8 +20,13 @@ from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.couplings import couplings_of
 from orbident.robot.description import DAMPING_STD, Joint, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
+from orbident.robot.friction import NO_FRICTION, check_friction
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
-from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
+from orbident.robot.geared_rotors import (
+    armature_stds,
+    proposed_rotors,
+    rotors_by_joint,
+)
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.passive_joints import check_passive
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
@@ -61,13 +66,16 @@ def assembled(
     bodies = about_feature_point(fused(tree, held=held), feature_point)
     _require_mass(bodies, urdf.place)
     _require_bodies("structure", file.structure, bodies, place)
-    couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
+    names = [joint.name for joint in bodies.joints]
+    couplings, uncoupled = couplings_of(urdf, names)
     _require_bodies("pads", file.pads, bodies, place)
     _require_bodies("known: bodies", file.known.bodies, bodies, place)
     check_passive(file.passive, bodies.joints, couplings, place)
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place
     )
+    check_friction(file.friction, names, file.passive, place)
+    friction = {name: file.friction.get(name, NO_FRICTION) for name in names}
     return Robot(
         name=file.name or urdf.name,
         motion=file.motion,
@@ -78,6 +86,7 @@ def assembled(
         couplings=couplings,
         wheels=wheels,
         rotors=rotors,
+        friction=file.friction,
         thrusters=file.thrusters,
         torquers=file.torquers,
         pads=_pads(file, bodies),
@@ -93,6 +102,10 @@ def assembled(
             file.tolerances.in_si(bodies.joints, file.thrusters, place),
             joint_frequency={n: each.tolerance for n, each in file.passive.items()},
             joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
+            joint_armature=armature_stds(rotors, bodies.joints),
+            joint_viscous={n: x.std(x.viscous) for n, x in friction.items()},
+            joint_coulomb={n: x.std(x.coulomb) for n, x in friction.items()},
+            joint_torque_offset={n: x.std(x.offset) for n, x in friction.items()},
         ),
         warnings=(
             *urdf.warnings,

@@ -32,6 +32,7 @@ from orbident.robot.description import (
     Thruster,
     Torquer,
 )
+from orbident.robot.friction import FrictionSection
 from orbident.robot.geared_rotors import RotorSection
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
@@ -129,6 +130,7 @@ class RobotFile(MappingSchema):
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     rotors: RotorSection = Field(default_factory=dict)
+    friction: FrictionSection = Field(default_factory=dict)
     thrusters: tuple[Annotated[Thruster, keys_of(Thruster)], ...] = ()
     torquers: tuple[Annotated[Torquer, keys_of(Torquer)], ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)

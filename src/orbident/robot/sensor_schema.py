@@ -24,6 +24,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.robot.sensor_suites import SUITES
 from orbident.robot.units import (
+    TORQUE_OF_A_JOINT,
     Angle,
     Lasting,
     Length,
@@ -303,7 +304,23 @@ class PositionSpec(TrackerSpec):
     random_walk: Annotated[Axes, per_axis("length random walk")] | None = None
 
 
-AnySensor = GyroSpec | AccelerometerSpec | EncoderSpec | AttitudeSpec | PositionSpec
+class TorqueSpec(Sampled):
+    """Torques between each joint's two bodies, N m, or N of a joint that slides."""
+
+    NOISES = ("white_noise",)
+
+    white_noise: Annotated[float, measure_of(TORQUE_OF_A_JOINT)] = Field(alias="std")
+
+    def white_std(self, dt: float = 1.0) -> float:
+        """That of a sample."""
+        del dt
+        return self.white_noise
+
+
+OfJoints = EncoderSpec | TorqueSpec
+"""Sensors of which each joint has one."""
+
+AnySensor = GyroSpec | AccelerometerSpec | OfJoints | AttitudeSpec | PositionSpec
 """A sensor of which something is declared."""
 
 UNDECLARED: dict[str, AnySensor] = {
@@ -313,6 +330,7 @@ UNDECLARED: dict[str, AnySensor] = {
     "attitude": AttitudeSpec(angle=0.0),
     "position": PositionSpec(std=0.0),
     "wheels": EncoderSpec(position=0.0),
+    "torques": TorqueSpec(std=0.0),
 }
 """Sensors of which a robot file says nothing: no noise is no noise that is known."""
 
@@ -330,6 +348,7 @@ class SensorsSpec(MappingSchema, validate_default=True):
     attitude: AttitudeSpec | None = None
     position: PositionSpec | None = None
     wheels: EncoderSpec | None = None
+    torques: TorqueSpec | None = None
 
     @field_validator("suites")
     @classmethod
@@ -361,9 +380,9 @@ class SensorsSpec(MappingSchema, validate_default=True):
 
     @property
     def of_base(self) -> dict[str, AnySensor]:
-        """Those of the motion of the base: all but the encoders."""
+        """Those of the motion of the base: no encoders, and no torques."""
         declared = self.declared.items()
-        return {name: x for name, x in declared if not isinstance(x, EncoderSpec)}
+        return {name: x for name, x in declared if not isinstance(x, OfJoints)}
 
     def of(self, name: str) -> Sampled:
         """What is said of a sensor, even where that is nothing."""

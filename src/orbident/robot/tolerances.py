@@ -8,10 +8,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
-from orbident.robot.units import OF_A_JOINT
+from orbident.robot.units import (
+    ARMATURE_OF_A_JOINT,
+    FRICTION_OF_A_JOINT,
+    OF_A_JOINT,
+    TORQUE_OF_A_JOINT,
+)
 
 SPRINGS = "springs"
 """What is unknown of joints that nobody measures."""
+
+FRICTION = "friction"
+"""What is unknown of what joints' motors drive against."""
+
+TORQUE_SENSORS = 0.01
+"""Scale of a joint's torque sensor, relative: 1 % of full scale is usual."""
 
 
 class CalibrationKind(NamedTuple):
@@ -21,7 +32,7 @@ class CalibrationKind(NamedTuple):
     """Of its errors, with `{}` in the place of a joint or a wheel."""
     entry: str
     """Of its tolerance in a robot file: section and key; empty of what is declared with
-    a passive joint."""
+    a passive joint, a rotor or friction."""
     dimension: str
     """Of the error, as `units` has it."""
     by_axis: bool = False
@@ -114,6 +125,28 @@ class Tolerances:
         *("joint.{}.damping", "", "share"), of_all=SPRINGS
     )
     """Damping of each passive joint; its error is a logarithm."""
+    joint_torque_scale: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.torque_scale", "joints.torque_scale", "share"),
+        usual=TORQUE_SENSORS,
+        of_all="torque scales",
+    )
+    """Scale of the torque sensor by joint, relative."""
+    joint_armature: Mapping[str, float] = _of_each_joint(
+        "joint.{}.armature", "", ARMATURE_OF_A_JOINT
+    )
+    """`N (N - 1) J` of the rotor of each joint's motor, kg m^2 or kg."""
+    joint_viscous: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.viscous", "", FRICTION_OF_A_JOINT), of_all=FRICTION
+    )
+    """Viscous friction of each joint, N m s or N s/m."""
+    joint_coulomb: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.coulomb", "", TORQUE_OF_A_JOINT), of_all=FRICTION
+    )
+    """Coulomb friction of each joint, N m or N."""
+    joint_torque_offset: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.torque_offset", "", TORQUE_OF_A_JOINT), of_all=FRICTION
+    )
+    """What is shown of torque at each joint that nothing needs, N m or N."""
     thruster_clock: float = _of_all(
         "thrusters.clock", "clocks.thrusters", "time", usual=0.1
     )

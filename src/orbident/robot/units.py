@@ -90,10 +90,24 @@ UNITS["acceleration or slope"] = UNITS["acceleration"] | {
 OF_A_JOINT = "angle or length"
 """The dimension of a position of a joint that may be of either kind."""
 
-UNITS[OF_A_JOINT] = UNITS["angle"] | UNITS["length"]
+TORQUE_OF_A_JOINT = "torque or force"
+FRICTION_OF_A_JOINT = "viscous friction"
+ARMATURE_OF_A_JOINT = "inertia or mass"
 
 POSITION_OF = {"revolute": "angle", "prismatic": "length"}
 """The dimension of a joint's position, by its kind."""
+
+BY_KIND = {
+    OF_A_JOINT: POSITION_OF,
+    TORQUE_OF_A_JOINT: {"revolute": "torque", "prismatic": "force"},
+    FRICTION_OF_A_JOINT: {"revolute": "turning drag", "prismatic": "drag"},
+    ARMATURE_OF_A_JOINT: {"revolute": "inertia", "prismatic": "mass"},
+}
+"""What is one dimension or another, by the kind of a joint."""
+UNITS |= {
+    either: {unit: si for each in own.values() for unit, si in UNITS[each].items()}
+    for either, own in BY_KIND.items()
+}
 
 
 def si_unit(dimension: str) -> str:

@@ -14,10 +14,11 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
-from orbident.model.equations_of_motion import movable
+from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.friction import NO_FRICTION
 from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion
@@ -29,6 +30,7 @@ from orbident.simulation.sensor import (
     read_inertial,
     read_position,
     read_rates,
+    read_torques,
     sensor_columns,
     stream,
 )
@@ -45,6 +47,8 @@ class Accelerations(NamedTuple):
     """Accelerations of the wheels relative to the base, rad/s^2."""
     f_S: Float[np.ndarray, "n 3"]
     """Specific force at S, `R_0^T dv_S/dt`, base axes, m/s^2: no gravity is felt."""
+    tau: Float[np.ndarray, "n joints"]
+    """Torques that the joints need, N m or N."""
 
 
 def accelerations(
@@ -69,7 +73,14 @@ def accelerations(
     vd, f_S = _core.forward_dynamics(
         core_robot(robot), motion.q, v, np.zeros_like(v), known, free, processors()
     )
-    return Accelerations(w_dot=vd[:, 3:6], qdd_rw=vd[:, 6 + joints :], f_S=f_S)
+    at = equations_of_motion(robot, motion.q, v)
+    needed = np.einsum("nij,nj->ni", at.H, vd) + at.c
+    return Accelerations(
+        w_dot=vd[:, 3:6],
+        qdd_rw=vd[:, 6 + joints :],
+        f_S=f_S,
+        tau=needed[:, 6 : 6 + joints],
+    )
 
 
 Columns = dict[str, Float[np.ndarray, " rows"]]
@@ -88,6 +99,17 @@ class Truth(NamedTuple):
     attitude: Float[np.ndarray, "rows 4"]
     position: Float[np.ndarray, "rows 3"]
     velocity: Float[np.ndarray, "rows 3"]
+    tau: Float[np.ndarray, "rows joints"] | None = None
+    """Torques on what joints move, without friction, N m or N; None if unknown."""
+
+    def shown_torques(self, robot: Robot) -> Float[np.ndarray, "rows joints"] | None:
+        """What torque sensors see: also what the robot's friction takes."""
+        if self.tau is None:
+            return None
+        friction = [robot.friction.get(name, NO_FRICTION) for name in robot.joint_names]
+        viscous, coulomb, offset = np.reshape([x[:3] for x in friction], (-1, 3)).T
+        rubbed = viscous * self.qd + coulomb * np.sign(self.qd) + offset
+        return self.tau + np.asarray(rubbed, dtype=float)
 
     def columns(self, robot: Robot) -> Columns:
         """All of it, by the names of a recording's columns."""
@@ -95,6 +117,10 @@ class Truth(NamedTuple):
         for k, name in enumerate(robot.joint_names):
             columns[f"joint.{name}.position"] = self.q[:, k]
             columns[f"joint.{name}.velocity"] = self.qd[:, k]
+        torques = self.shown_torques(robot)
+        if torques is not None:
+            names = (f"joint.{name}.torque" for name in robot.joint_names)
+            columns |= zip(names, torques.T, strict=True)
         for k, name in enumerate(robot.wheel_names):
             columns[f"wheel.{name}.position"] = self.q_rw[:, k]
             columns[f"wheel.{name}.speed"] = self.qd_rw[:, k]
@@ -113,7 +139,8 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
         trajectory: of the joints, in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at.f_S)
+    q_rw = _integrated(motion.t, motion.qd_rw, at.qdd_rw)
+    return _truth(motion, q_rw, at.f_S, at.tau)
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -122,13 +149,15 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
     Args:
         flight: wheels turn on from wherever they were; their angles count from here.
     """
-    return _truth(flight, flight.q_rw - flight.q_rw[0], flight.f_S)
+    q_rw = flight.q_rw - flight.q_rw[0]
+    return _truth(flight, q_rw, flight.f_S, flight.tau)
 
 
 def _truth(
     motion: FreeFloating | FreeFlying,
     q_rw: Float[np.ndarray, "rows wheels"],
     f_S: Float[np.ndarray, "rows 3"],
+    tau: Float[np.ndarray, "rows joints"],
 ) -> Truth:
     return Truth(
         q=motion.q,
@@ -140,6 +169,7 @@ def _truth(
         attitude=motion.attitude,
         position=motion.r_S,
         velocity=motion.v_S,
+        tau=tau,
     )
 
 
@@ -236,8 +266,8 @@ class Channel(NamedTuple):
 
     @property
     def stream(self) -> str:
-        """The name of the stream of random numbers: a tachometer has one of its own."""
-        rate = self.components[0] in {"velocity", "speed"}
+        """The name of the stream of random numbers: beside an encoder, one's own."""
+        rate = self.components[0] in {"velocity", "speed", "torque"}
         return f"{self.name}.{self.components[0]}" if rate else self.name
 
 
@@ -251,6 +281,13 @@ def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
         for k, name in enumerate(robot.wheel_names):
             pair = true.q_rw[:, [k]], true.qd_rw[:, [k]]
             yield from _encoder("wheels", wheels, f"wheel.{name}", "speed", *pair)
+    torques, seen = robot.sensors.torques, true.shown_torques(robot)
+    if torques is not None and seen is not None:
+        for k, name in enumerate(robot.joint_names):
+            read = partial(read_torques, torques)
+            yield Channel(
+                "torques", torques, f"joint.{name}", ("torque",), seen[:, [k]], read
+            )
     yield from _of_base(robot.sensors, true)
 
 

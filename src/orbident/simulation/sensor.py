@@ -28,6 +28,7 @@ from orbident.robot.sensor_schema import (
     InertialSpec,
     PositionSpec,
     Sampled,
+    TorqueSpec,
     TrackerSpec,
 )
 
@@ -330,6 +331,17 @@ def read_rates(
     """What tachometers show, rad/s or m/s. The paper has none (Section 3.5)."""
     del dt
     return true + gaussian(random, true.shape, sensor.tachometer or 0.0)
+
+
+def read_torques(
+    sensor: TorqueSpec,
+    true: Float[np.ndarray, "n axes"],
+    dt: float,
+    random: np.random.Generator,
+) -> Float[np.ndarray, "n axes"]:
+    """What torque sensors show, N m or N."""
+    del dt
+    return true + gaussian(random, true.shape, sensor.white_noise)
 
 
 def read_attitude(

@@ -12,7 +12,7 @@ N = T.size
 NOISE = np.random.default_rng(0).standard_normal((N, 3))
 MOTION = np.column_stack([np.sin(0.3 * T), np.cos(0.5 * T), 0.2 * np.sin(T)])
 X = MOTION + 1e-3 * NOISE
-REPEAT, FROZEN = "repeat of the sample before", "sample of a frozen pose"
+REPEAT, FROZEN = "repeat of the sample before", "sample of a frozen sensor"
 
 
 def found(sensor, x):

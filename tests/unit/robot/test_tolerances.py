@@ -1,12 +1,14 @@
 import math
 from dataclasses import make_dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from urdf_texts import ARM
 
 from orbident.errors import InputError
 from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.robot.tolerances import (
     CALIBRATION_KINDS,
@@ -19,11 +21,60 @@ SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
 )
 
 
+def of_drives(robot: Robot) -> dict[str, Any]:
+    """Friction and rotors of which nothing is said: they may be anything."""
+    anything = dict.fromkeys(robot.joint_names, math.inf)
+    kinds = ("armature", "viscous", "coulomb", "torque_offset")
+    return {f"joint_{kind}": anything for kind in kinds}
+
+
 def test_every_instrument_is_exact_if_the_file_says_so(load_yaml):
     robot = load_yaml("tolerances: exact")
     exact = dict.fromkeys(robot.joint_names, 0.0)
-    every = Tolerances(exact, exact, joint_place=exact, joint_direction=exact)
-    assert robot.tolerances == every
+    assert robot.tolerances == Tolerances(
+        exact,
+        exact,
+        joint_place=exact,
+        joint_direction=exact,
+        joint_torque_scale=exact,
+        **of_drives(robot),
+    )
+
+
+def test_friction_that_was_measured_has_its_tolerance(load_yaml):
+    robot = load_yaml(
+        """
+friction:
+  joint1: {viscous: 0.5 N m s, coulomb: 20 mN m, offset: -10 mN m, tolerance: 10 %}
+rotors: none
+"""
+    )
+    (name, *others), known = robot.joint_names, robot.tolerances
+    assert robot.friction[name][:3] == (0.5, 0.02, -0.01)
+    stds = known.joint_viscous, known.joint_coulomb, known.joint_torque_offset
+    assert [each[name] for each in stds] == pytest.approx([0.05, 0.002, 0.001])
+    assert {each[x] for each in stds for x in others} == {math.inf}
+    assert {*known.joint_armature.values()} == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ("friction: {knee: {viscous: 1}}", "friction: no joint 'knee'"),
+        ("friction: {joint1: {dry: 1}}", "unknown key 'dry'"),
+        ("friction: {joint1: {viscous: -1}}", "give zero or more"),
+        ("friction: {joint1: {coulomb: 1 kg}}", "unknown unit 'kg'"),
+        (
+            "friction: {joint1: {viscous: 1}}\npassive: {joint1: {frequency: 1}}",
+            "friction.joint1: the joint is passive",
+        ),
+        ("sensors: {torques: {}}", "std"),
+    ],
+)
+def test_what_is_no_friction_is_refused_in_one_line(load_yaml, section, message):
+    with pytest.raises(InputError, match=message) as error:
+        load_yaml(section)
+    assert "\n" not in str(error.value)
 
 
 def test_without_tolerances_instruments_are_as_usual(load_yaml):
@@ -41,6 +92,8 @@ def test_without_tolerances_instruments_are_as_usual(load_yaml):
         position_clock=1e-3,
         joint_place=exact,
         joint_direction=exact,
+        joint_torque_scale=dict.fromkeys(joints, 0.01),
+        **of_drives(robot),
         thruster_clock=0.1,
         thruster_pulse=0.02,
         thruster_coupling=0.05,

@@ -10,6 +10,7 @@
 //   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
 //                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
 //   springs         those of passive_rates.hpp: logarithms of their rate and their damping
+//   torques         those of joint_torques.hpp: scale g, rotor A, friction d, c and o of each joint
 //
 // m turns the base's axes into the instrument's: a vector along the axis, of length
 // 2 sin(angle / 2), as r is.
@@ -18,7 +19,7 @@
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
 //    l of joints, of attitude, of position | d 3, each joint | r 3, each joint |
-//    x, each joint | y, each joint]
+//    x, each joint | y, each joint | g | A | d | c | o, each joint]
 //
 // Places beyond these are gains of what acts from outside (acting.hpp).
 #pragma once
@@ -45,7 +46,12 @@ struct CalibrationPlaces {
   bool is_geometry(int at) const { return place() <= at && at < spring(); }
   int spring() const { return direction() + 3 * joints; }
   int damper() const { return spring() + joints; }
-  int count() const { return damper() + joints; }
+  int torque_scale() const { return damper() + joints; }
+  int armature() const { return torque_scale() + joints; }
+  int viscous() const { return armature() + joints; }
+  int coulomb() const { return viscous() + joints; }
+  int offset() const { return coulomb() + joints; }
+  int count() const { return offset() + joints; }
 };
 
 // Which calibrations have columns, and the values of all.

@@ -5,6 +5,7 @@
 //   lasting noise at the end = that at the next interval's start            (lasting_noise.hpp)
 //   corrections of the joints at the end = 0                                (prior)
 //   passive joints at the end = at the next interval's start                (passive_joints.hpp)
+//   what torques of joints add up to = what their momenta did               (joint_torques.hpp)
 //
 // Unknowns, z of a boundary and g common to all, and the columns of a table:
 //
@@ -16,6 +17,7 @@
 // near is the boundary that is eliminated, the start or the end.
 #pragma once
 
+#include "orbident/joint_torques.hpp"
 #include "orbident/lasting_noise.hpp"
 #include "orbident/passive_joints.hpp"
 
@@ -278,18 +280,25 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     start_base(recorded, at, interval, *row, *start);
   }
   if (moving) velocity_slopes(c, *row, *start, memory.velocity[0]);
+  const bool driven = recorded.torques.values;
+  if (driven) start_torques(recorded, memory.own);
+  double before = 0.0;
   const Sensed* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
   for (int k = 0; k < TRACKERS; ++k)
     start_lasting(recorded, at, interval, *trackers[k], memory.whitening[k], sensed);
   for (int r = first; r < last; ++r) {
     add_samples(recorded, at, interval, r, *row, *start, memory, sensed);
     if (r == end) break;
+    const double dt = recorded.t[r + 1] - recorded.t[r];
+    if (driven)
+      add_joint_torques(recorded, at, *row, *start, r == first ? -1.0 : 0.0, -(before + dt) / 6,
+                        memory.own);
+    before = dt;
     const Vector3<double> f_S = specific_force(*row, *start);
     const Matrix3<double> R_WB = start->R_WB;
     TableRows felt(memory.felt, 3, c.count());
     felt = cross_matrix(f_S).lazyProduct(TableRows(start->phi, 3, c.count()));
 
-    const double dt = recorded.t[r + 1] - recorded.t[r];
     joints_at(2 * r + 1, *half_way);
     joints_at(2 * r + 2, *next);
     const JointNode* const nodes[3] = {row, half_way, next};
@@ -315,6 +324,8 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
       if (at_half_way && recorded.springs)
         expand_with_passive(recorded, at, memory, *half_way, *at_half_way);
       if (at_half_way && moving) velocity_slopes(c, *half_way, *at_half_way, memory.velocity[1]);
+      if (at_half_way && driven)
+        add_joint_torques(recorded, at, *half_way, *at_half_way, 0.0, -2 * dt / 3, memory.own);
       std::swap(start, stop);
     }
     if (recorded.springs) expand_with_passive(recorded, at, memory, *next, *start);
@@ -332,6 +343,10 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   }
   for (int k = 0; k < TRACKERS; ++k)
     end_lasting(recorded, at, interval, end, *trackers[k], *start, memory.whitening[k], sensed);
+  if (driven) {
+    add_joint_torques(recorded, at, *row, *start, 1.0, -before / 6, memory.own);
+    add_torques(recorded, at, interval, duration, memory.own, sensed);
+  }
   add_continuity(recorded, at, interval, duration, *start, continuity);
   add_passive_continuity(recorded, at, interval, duration, *start, continuity);
 }

@@ -43,6 +43,11 @@ struct Spring {
   const double* carried;  // I by each entry of theta
 };
 
+// What a joint's motor and friction are taken to have, before errors of these.
+struct DrivenJoint {
+  double armature, viscous, coulomb, offset;  // A, d, c, o of joint_torques.hpp
+};
+
 struct Recorded {
   Tree tree;
   Sparse theta_of;  // theta = theta_0 + theta_of beta, where theta_0 has no beta
@@ -62,6 +67,10 @@ struct Recorded {
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting acting;
   Sensed gyro, accelerometer, attitude, joints, position, velocity;
+  Sensed torques;                // of joints: at the first row of an interval, the mean over it
+  const DrivenJoint* driven;     // joints
+  const double* over_intervals;  // intervals x joints x 2: of torques, mean of the rate's sign,
+                                 // and by how much they change, over its length, N m/s
   int lasting;   // parts of the trackers' noise that last, and a momentum that walks
   int momentum;  // where it is in z: how far that of a planar robot walked; -1 if it does not
   // How freely the unknowns of boundaries vary: standard deviations.
@@ -74,6 +83,8 @@ struct Recorded {
       if (spring[k].joint == joint) return true;
     return false;
   }
+  // Whether joints' own equations are among those of an interval.
+  bool own() const { return springs > 0 || torques.values; }
   int corrections() const { return BIASES + lasting; }  // where they begin in z
   int local() const { return corrections() + 2 * columns.corrected; }
   int common() const { return columns.common(); }
@@ -91,6 +102,20 @@ struct LinearisedAt {
   Calibration calibration;
 };
 
+// A joint's motor and friction as they are now.
+struct Drive {
+  double scale, armature, viscous, coulomb, offset;
+  Drive(const Recorded& recorded, const Calibration& calibration, int joint) {
+    const DrivenJoint& own = recorded.driven[joint];
+    const double* x = calibration.values + joint;
+    scale = x[calibration.places.torque_scale()];
+    armature = own.armature + x[calibration.places.armature()];
+    viscous = own.viscous + x[calibration.places.viscous()];
+    coulomb = own.coulomb + x[calibration.places.coulomb()];
+    offset = own.offset + x[calibration.places.offset()];
+  }
+};
+
 // Passive joints at a node; passive_rates.hpp.
 struct PassiveNode {
   double *q, *qd, *qdd, *p, *p_rate;  // passive joints each
@@ -103,8 +128,9 @@ struct PassiveMemory {
   Motion<double>* geometry;      // fields of the calibrations of geometry
   const int *displaced, *place;  // their joints and their places
   double *m, *D_qq, *inertia, *U, *H, *L, *C, *K, *last;
-  double* rates;        // of RK4: 8 x passive joints
-  JointNode joints[2];  // half-way through a step, and at its end
+  double* rates;                       // of RK4: 8 x passive joints
+  double *impulse, *impulse_by, *row;  // joint_torques.hpp: joints, x unknowns, and one row
+  JointNode joints[2];                 // half-way through a step, and at its end
 };
 
 struct IntervalMemory {

@@ -10,11 +10,13 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from orbident.environment.agents import FREE
+from orbident.estimation.output_error.sensors import torque_column
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Joint, Robot
 from orbident.robot.tolerances import CALIBRATION_KINDS
-from orbident.robot.units import OF_A_JOINT, POSITION_OF, si_unit
+from orbident.robot.units import BY_KIND, si_unit
 
 NOTHING_FREE: Mapping[str, float] = {}
 
@@ -30,6 +32,12 @@ NEITHER_OF = {"joint_zero": True, "joint_scale": True} | {
 }
 """Errors that joints do not have which are passive, or which are not."""
 
+OF_TORQUES = (
+    *("joint_torque_scale", "joint_armature"),
+    *("joint_viscous", "joint_coulomb", "joint_torque_offset"),
+)
+"""Errors that joints have whose torque is measured."""
+
 
 def calibrations_of(
     robot: Robot, recorded: Collection[str], free: Mapping[str, float] = NOTHING_FREE
@@ -38,15 +46,15 @@ def calibrations_of(
 
     Args:
         robot: with its tolerances.
-        recorded: names of the sensors that were recorded, and what was seen of thrust
-            (`thrust_seen`).
+        recorded: names of the sensors that were recorded, what was seen of thrust
+            (`thrust_seen`), and columns of the torques that count.
         free: standard deviations beforehand in place of tolerances, by family; SI.
     """
     shown = _axes_that_show(robot, recorded)
     every = [
         (error, axis in shown.get(tolerance, ALL) and axis not in hidden)
         for tolerance in CALIBRATION_KINDS
-        for errors, hidden in _errors(robot, tolerance)
+        for errors, hidden in _errors(robot, tolerance, recorded)
         for axis, error in enumerate(errors)
     ]
     return tuple(
@@ -57,7 +65,7 @@ def calibrations_of(
 
 
 def _errors(
-    robot: Robot, tolerance: str
+    robot: Robot, tolerance: str, recorded: Collection[str]
 ) -> Iterator[tuple[Sequence[Unknown], Collection[int]]]:
     """Those of each joint or wheel, or the only ones; and the axes that show nothing.
 
@@ -72,14 +80,16 @@ def _errors(
     elif kind.name.startswith("wheel."):
         owners = dict.fromkeys(robot.wheel_names)
     for name, joint in owners.items():
-        own = std.get(name, 0.0) if isinstance(std, Mapping) else std
+        own = min(std.get(name, 0.0) if isinstance(std, Mapping) else std, FREE)
         dimension, hidden = kind.dimension, set[int]()
         family = kind.family.format(name)
-        if joint is not None and dimension == OF_A_JOINT:
-            dimension = POSITION_OF[joint.kind]
+        if joint is not None:
+            dimension = BY_KIND.get(dimension, {}).get(joint.kind, dimension)
         if joint is not None and tolerance == DOUBLES_ZERO[joint.kind]:
             hidden = {int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))}
         if NEITHER_OF.get(tolerance) is (name in robot.passive):
+            hidden = {*ALL}
+        if tolerance in OF_TORQUES and torque_column(name) not in recorded:
             hidden = {*ALL}
         unit = si_unit(dimension)
         yield (

@@ -17,6 +17,7 @@ from jaxtyping import Float
 from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
 from orbident.estimation.output_error.sensors import (
+    TORQUES,
     TRACKERS,
     lasting_parts,
     parts_of_boundaries,
@@ -99,10 +100,11 @@ def _of_intervals(
 
     That weighs so much that `z` must be of the same state as the equations.
     """
-    names = (*AS_ADDED, "joints", *GOING_ON)
+    names = (*AS_ADDED, TORQUES, "joints", *GOING_ON)
     weights, size = solution.weights, problem.t.size
     none = np.zeros((size, 3))
     counts = np.hstack([weights.get(name, none) != 0 for name in AS_ADDED])
+    torques = np.count_nonzero(weights.get(TORQUES, none), axis=1)
     of_trackers = [names.index(name) for name in TRACKERS]
     trackers, own = (
         np.repeat(of_trackers, parts(problem.lasting).sum(axis=(1, 2)))
@@ -121,7 +123,8 @@ def _of_intervals(
     for k, equations in enumerate(every):
         _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
         rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])
-        before = np.concatenate([columns // 3, trackers, going_on])
+        of_torques = np.full(torques[edges[k]], names.index(TORQUES))
+        before = np.concatenate([columns // 3, trackers, of_torques, going_on])
         # Then passive joints, and encoders.
         add(rows, np.append(before, np.full(len(rows) - before.size, joints)))
     of_joints = np.full(z.shape[1] - going_on.size - own.size, joints)

@@ -61,9 +61,10 @@ from orbident.estimation.output_error.problem import (
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensors import Sensors, sensors_of
+from orbident.estimation.output_error.sensors import TORQUES, Sensors, sensors_of
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
+from orbident.estimation.output_error.torques import drives_of, joints_driven
 from orbident.estimation.output_error.walking_rates import walked
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
@@ -130,7 +131,7 @@ class OutputError:
                 "maximum likelihood",
                 {name: fit.rms for name, fit in by_sensor.items()},
                 _goodness(sensors, found),
-                disturbed=bool(disturbances),
+                disturbed=bool(disturbances) or bool(_driven(robot, equations)),
             ),
             sensors=by_sensor,
             biases=_biases(robot, sensors, found),
@@ -144,6 +145,7 @@ class OutputError:
             carried=surprise_of_carried(found.solution),
             calibration=calibration,
             springs=springs_of(robot, calibration),
+            drives=drives_of(robot, calibration, _driven(robot, equations)),
             sensitivity=partial(sensitivity, zeros),
             sources=partial(covariance_parts, equations, found.solution),
             converged=found.solution.converged,
@@ -229,9 +231,19 @@ class OutputError:
         )
 
 
+def _driven(robot: Robot, equations: Problem) -> tuple[str, ...]:
+    """The columns of torques that count."""
+    if TORQUES not in equations.weights:
+        return ()
+    return joints_driven(robot, equations.weights[TORQUES])
+
+
 def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
-    """A first `beta` by the linear fits; these know nothing of thrust: then by CAD."""
-    if problem.samples.unknown_thrust:
+    """A first `beta` by the linear fits; these know nothing of thrust: then by CAD.
+
+    So it is where torques alone say how large it is.
+    """
+    if problem.samples.unknown_thrust or not problem.scale_seen:
         return problem.sets.beta(problem.robot.theta)
     return beta_of_fits(problem.robot, problem.sets, problem.fits).values
 

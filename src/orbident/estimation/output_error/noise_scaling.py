@@ -11,6 +11,7 @@ from orbident.estimation.estimate import whiteness
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,
+    TORQUES,
     Sensors,
     at_level,
     innovated,
@@ -24,7 +25,10 @@ from orbident.estimation.solution import BySensor, Convergence, Solution, Unknow
 from orbident.gaussian import OF_MEDIAN
 from orbident.recordings.long_recording import spare_memory
 from orbident.robot.description import Robot
-from orbident.robot.units import POSITION_OF, si_unit
+from orbident.robot.units import BY_KIND, OF_A_JOINT, TORQUE_OF_A_JOINT, si_unit
+
+OF_JOINTS = {"joints": OF_A_JOINT, TORQUES: TORQUE_OF_A_JOINT}
+"""What sensors of joints show, by their names: its dimension."""
 
 HUBER = 4.0
 """Residuals beyond so many deviations count less (Huber, 1964)."""
@@ -275,14 +279,18 @@ def sensor_signals(
     for name, weights in problem.weights.items():
         seen, counts = that_count(weights)
         std = sensors.by_name[name].std * found.levels[name]
+        if name == TORQUES and seen.any():
+            # Means over intervals, most of which are as long.
+            std /= float(np.median(weights[weights > 0])) * sensors.by_name[name].std
         error = of_axes(some_of(found.residuals[name], seen), counts) * std
         if name == "attitude":
             measured = error
         else:
             measured = of_axes(some_of(problem.samples[name], seen), counts)
-        labels = robot.joint_names if name == "joints" else tuple("xyz")
-        kinds = [si_unit(POSITION_OF[joint.kind]) for joint in robot.joints]
-        units = kinds if name == "joints" else 3 * [SIGNAL_UNITS[name]]
+        of_joints = BY_KIND.get(OF_JOINTS.get(name, ""))
+        labels = robot.joint_names if of_joints else tuple("xyz")
+        kinds = [si_unit(of_joints[x.kind]) for x in robot.joints if of_joints]
+        units = kinds or 3 * [SIGNAL_UNITS[name]]
         signals.append(
             Signal(
                 name=name,

@@ -31,6 +31,7 @@ from orbident.estimation.output_error.joint_laws import (
     longest_interval,
 )
 from orbident.estimation.output_error.sensors import (
+    TORQUES,
     Lasting,
     Sensors,
     at_level,
@@ -42,6 +43,11 @@ from orbident.estimation.output_error.shooting import (
     intervals_of,
     looseness,
     substeps_of,
+)
+from orbident.estimation.output_error.torques import (
+    driven_by,
+    joints_driven,
+    mean_torques,
 )
 from orbident.estimation.solution import (
     BySensor,
@@ -63,7 +69,10 @@ from orbident.robot.parameters import (
 )
 from orbident.threads import processors
 
-SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity")
+SENSORS = (
+    *("gyro", "accelerometer", "attitude", "joints", "position", "velocity"),
+    TORQUES,
+)
 """The sensors, in the core's order."""
 
 NO_ROWS = np.zeros((0, 3))
@@ -215,7 +224,11 @@ def problem_of(
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     pushed = _during(samples.pushed, intervals.t)
     seen, weights = {}, {}
+    torques = mean_torques(robot, samples, sensors, intervals)
     for name, sensed in sensors.by_name.items():
+        if name == TORQUES:
+            seen[name], weights[name] = torques[:2]
+            continue
         table = sensed.values[intervals.kept]
         valid = np.isfinite(table).all(axis=1)
         if name == "accelerometer":
@@ -250,10 +263,13 @@ def problem_of(
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         **loose._asdict(),
         **joint_laws(robot, samples.wrenches, unexplained)._asdict(),
+        driven=driven_by(robot),
+        over_intervals=torques.over_intervals,
     )
     followed = Followed(without_walks(robot, walks), sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)
-    shown = {*sensors.by_name, *thrust_seen(samples.wrenches)}
+    driven = joints_driven(robot, torques.weights)
+    shown = {*sensors.by_name, *thrust_seen(samples.wrenches), *driven}
     return Problem(
         recorded,
         intervals.t,

@@ -32,6 +32,9 @@ COMPONENTS = {
 }
 """Components of the base's sensors; encoders are not among them."""
 
+TORQUES = "torques"
+"""The sensors of torques at joints."""
+
 CLOCKS = {"velocity": "position"}
 """Sensors that share another's clock."""
 
@@ -39,6 +42,17 @@ LEAST = 3e-8
 """Least noise of a sensor, over its signal's size or in rad. Splines and integration
 err by some 1e-9, alike from sample to sample: some thousand samples of so much noise
 are as far off together."""
+
+
+def torque_column(joint: str) -> str:
+    """The column of a recording that has it."""
+    return f"joint.{joint}.torque"
+
+
+def joints_with_torques(robot: Robot, recording: Recording) -> list[str]:
+    """The joints whose torque was recorded."""
+    names = robot.joint_names
+    return [name for name in names if recording.has(torque_column(name))]
 
 
 @dataclass(frozen=True)
@@ -89,6 +103,12 @@ def sensors_of(
     if joints and not exact:
         angles = [recording.column(f"joint.{n}.position") for n in robot.joint_names]
         tables["joints"] = np.column_stack(angles)
+    driven = joints_with_torques(robot, recording)
+    if driven:
+        tables[TORQUES] = torques = np.zeros((recording.t.size, len(robot.joints)))
+        for name in driven:
+            which = robot.joint_names.index(name)
+            torques[:, which] = recording.column(torque_column(name))
     times, samples = {}, {}
     for name in list(tables):
         table = tables.pop(name)

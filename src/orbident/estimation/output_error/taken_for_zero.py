@@ -95,7 +95,7 @@ SMALL_ERROR = {
     "1": ("%", 1e-2),
     "s": ("ms", 1e-3),
 }
-"""What a table counts errors in, by their SI unit."""
+"""What a table counts errors in, by their SI unit; any other in that unit."""
 
 
 def sensitivity(zeros: TakenForZero) -> Sensitivity:
@@ -108,7 +108,7 @@ def sensitivity(zeros: TakenForZero) -> Sensitivity:
     by, left = -zeros.shift(names), zeros.equations(names)
     size = zeros.solution.state.common.size
     root = solve_triangular(zeros.factor[:size, :size], np.eye(size))[zeros.beta]
-    small = [SMALL_ERROR[each.unit] for each in zeros.errors]
+    small = [SMALL_ERROR.get(each.unit, (each.unit, 1.0)) for each in zeros.errors]
     alone = [score(column[:, None], left[:, -1]) for column in left[:, :-1].T]
     by_what_acts = _fall_of_what_acts(
         zeros, by, np.array([each.values[0] for each in alone])

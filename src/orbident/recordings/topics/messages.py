@@ -159,10 +159,11 @@ _RATE_OF = {"angle": "angular rate", "length": "velocity"}
 
 
 class JointTake(Take):
-    """Positions, velocities, or both."""
+    """Positions, velocities, efforts, or some of them."""
 
     position: Annotated[Unit, unit("angle", "length")] | None = None
     velocity: Annotated[Unit, unit("angular rate", "velocity")] | None = None
+    effort: Annotated[Unit, unit("torque", "force")] | None = None
 
 
 class JointStates(Entry):
@@ -190,11 +191,16 @@ class JointStates(Entry):
             raise InputError(
                 "wheels cannot be in units of length; give them their own entry"
             )
+        if self.take.effort and self.wheels:
+            raise InputError(
+                "take: efforts are torques of joints; give wheels an entry of their own"
+            )
         return self
 
     @property
     def _units(self) -> list[Unit]:
-        return [u for u in (self.take.position, self.take.velocity) if u]
+        taken = self.take
+        return [u for u in (taken.position, taken.velocity, taken.effort) if u]
 
     @property
     def _sources(self) -> tuple[str, ...]:
@@ -202,11 +208,15 @@ class JointStates(Entry):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """All positions, then all velocities."""
+        """All positions, then all velocities, then all torques."""
         names = []
-        for key, speed in (("position", "position"), ("velocity", "speed")):
+        for key, own, speed in (
+            ("position", "position", "position"),
+            ("velocity", "velocity", "speed"),
+            ("effort", "torque", ""),
+        ):
             if key in self.take.taken:
-                names += [f"joint.{name}.{key}" for name in self.joints.values()]
+                names += [f"joint.{name}.{own}" for name in self.joints.values()]
                 names += [f"wheel.{name}.{speed}" for name in self.wheels.values()]
         return tuple(names)
 

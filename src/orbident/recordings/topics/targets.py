@@ -147,6 +147,7 @@ DIMENSION_OF = {
 _OF_PARTS = {
     ("joint", "position"): ("angle", "length"),
     ("joint", "velocity"): ("angular rate", "velocity"),
+    ("joint", "torque"): ("torque", "force"),
     ("wheel", "position"): ("angle",),
     ("wheel", "speed"): ("angular rate",),
     ("thruster", "force"): ("force",),

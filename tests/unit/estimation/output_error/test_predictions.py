@@ -58,9 +58,9 @@ def by_differences(segment: Segment, sensor: str) -> np.ndarray:
     return np.array(columns).T
 
 
-def check_slopes(segment: Segment, faster: float = 1.0) -> None:
-    """`faster`: how many times as fast as usual joints swing."""
-    for sensor in SENSORS:
+def check_slopes(segment: Segment, faster: float = 1.0, of: str = "") -> None:
+    """`faster`: how many times as fast as usual joints swing; `of`: one sensor."""
+    for sensor in [of] if of else segment.weights:
         if sensor == "joints" or (sensor == "attitude" and faster > 1):
             # The slopes of a rotation's residual are those of a small one.
             continue
@@ -122,6 +122,25 @@ def test_badly_calibrated_instruments(robot):
     check_slopes(segment)
 
 
+@pytest.mark.parametrize("passive", [(), (1,)])
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_torques_at_joints(robot, passive):
+    """Their means, as the simulator's inverse dynamics have them, and slopes."""
+    joints = len(ROBOTS[robot].joints)
+    drives = 0.1 * np.random.default_rng(5).standard_normal((5, joints))
+    # What is passive has no encoder, and no errors of one.
+    errors = None if passive else random_errors(ROBOTS[robot], 7, 0.05)
+    segment = segment_of(
+        ROBOTS[robot], 3, 17, errors=errors, passive=passive, drives=drives
+    )
+    if not passive:
+        left = segment.residuals()["torques"]
+        assert np.count_nonzero(segment.weights["torques"]) == joints
+        # Simpson's rule with 50 rows a second, of torques of some N m.
+        np.testing.assert_allclose(left, 0.0, atol=1e-6)
+    check_slopes(segment, 2.0 if passive else 1.0, of="torques")
+
+
 @pytest.mark.core
 def test_a_selected_calibration_has_the_column_that_it_has_among_all():
     """Calibrations are selected in any order; what is not selected is exact."""
@@ -180,7 +199,8 @@ def test_slopes_with_passive_joints(robot):
     joints, places = len(robot.joints), segment.recorded.places
     encoders = [0, 1, joints, joints + 1]
     errors = np.setdiff1d(np.arange(errors.vector.size), encoders)
-    springs = np.arange(places - 2 * joints, places)
+    # Behind them are errors of torques.
+    springs = places - 7 * joints + np.arange(2 * joints)
     state = segment.state.carried(np.append(errors, springs).astype(float))
     check_slopes(segment._replace(state=state), faster=2.0)
 

@@ -264,6 +264,24 @@ def test_joints_that_come_in_separate_messages(tmp_path):
     assert (report.topics[0].incomplete, report.topics[0].not_finite) == (6, 0)
 
 
+def test_efforts_are_torques_of_joints(tmp_path):
+    sent = []
+    for k in range(4):
+        stamp, names = START + k * MS, ["elbow", "shoulder"]
+        sent.append(joint_state("/js", stamp, stamp, names, [0, k], [], [k, 10 * k]))
+    entries = """\
+  - topic: /js
+    type: sensor_msgs/JointState
+    take: {position: rad, effort: mN m}
+    joints: {shoulder: joint1, elbow: joint2}
+"""
+    recording, _ = converted(tmp_path, sent, entries)
+    k = np.arange(4)
+    np.testing.assert_allclose(recording.column("joint.joint1.torque"), 0.01 * k)
+    np.testing.assert_allclose(recording.column("joint.joint2.torque"), 1e-3 * k)
+    np.testing.assert_array_equal(recording.column("joint.joint1.position"), k)
+
+
 def test_clocks_without_a_common_time_are_pointed_out(tmp_path):
     second = WHEEL.replace("/imu", "/pose").replace(
         "sensor_msgs/Imu", "std_msgs/Float64"

@@ -83,6 +83,10 @@ REFUSED = {
         JOINTS + "take: {velocity: m/s}, wheels: {a: b}}",
         "wheels cannot be in units of length",
     ),
+    "the torque of a wheel": (
+        JOINTS + "take: {effort: N m}, wheels: {a: b}}",
+        "efforts are torques of joints; give wheels an entry",
+    ),
     "two numbers of one": (
         FLOAT + "take: {gyro.x: rad/s, gyro.y: rad/s}, " + BASE,
         "take names 2 columns; a Float64 feeds one",
