@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 312,
-    "lines": 60_170,
-    "files of estimation": 49,
-    "lines of estimation": 11_080,
-    "files with one user": 66,
+    "files": 317,
+    "lines": 61_829,
+    "files of estimation": 50,
+    "lines of estimation": 11_452,
+    "files with one user": 69,
     "imports below each other": 31,
     "numbers without a reason": 38,
 }
