@@ -79,12 +79,12 @@ KINDS: dict[str, tuple[Change, str]] = {
     "zeros": (rows(LOST, attitude__w=0, **NO_TURN), "quaternions of zeros"),
     "identity": (
         rows(LOST, attitude__w=1, **NO_TURN, **NOWHERE),
-        "position: 10 samples of a frozen pose",
+        "position: 10 samples of a frozen sensor",
     ),
     "9999999": (rows(LOST, position__y=9999999), "impossible value 9999999"),
     "frozen": (
         columns(("attitude", "position"), frozen),
-        "attitude: 20 samples of a frozen pose",
+        "attitude: 20 samples of a frozen sensor",
     ),
     "held poses": (
         columns(("attitude", "position"), lambda x: held(x, 2)),

@@ -302,18 +302,25 @@ def _written(
 
 def _likeliest(solved: Solved) -> Iterator[Trial]:
     """Suspects and kinds of instruments' errors with the best scores, tried."""
-    worth = sorted(_scored(solved.problem, solved.shown), key=lambda x: -x[0].falls)
+    problem, shown = solved.problem, solved.shown
+    if shown is None:
+        return
+    worth = sorted(_scored(problem, shown), key=lambda each: -each[0].falls)
     for k, (own, put) in enumerate(worth[:LIKELIEST]):
         others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
         for one in put() if own.falls > WORTH else ():
-            yield one._replace(rival=max(*others, one.rival, NONE))
+            yield one._replace(rival=max(others, default=NONE))
+    # What lasts explains much of anything.
+    errors = lasting(problem, shown)
+    if errors is not None and errors.gain - errors.price > WORTH:
+        yield from with_lasting(problem, errors)
 
 
 def _scored(
-    problem: MomentumProblem, shown: Estimate | None
+    problem: MomentumProblem, shown: Estimate
 ) -> Iterator[tuple[Rival, Callable[[], Iterable[Trial]]]]:
     """What each of them would explain to first order, and how it is tried."""
-    if shown is None or shown.solution is None or shown.sensitivity is None:
+    if shown.solution is None or shown.sensitivity is None:
         return
     price = np.log(problem.samples.t.size)
     table = shown.sensitivity()
@@ -336,10 +343,6 @@ def _scored(
         if first.values.size:
             put = partial(put_right, problem, suspect, first, misfit(shown))
             yield Rival(gain, suspect.words(first.values)), put
-    errors = lasting(problem, shown)
-    if errors is not None:
-        rival = Rival(errors.gain - errors.price, errors.words)
-        yield rival, partial(with_lasting, problem, errors)
 
 
 def _as_noise(estimate: Estimate | None) -> bool:

@@ -17,7 +17,6 @@ AGENTS: dict[str, Agent] = {
         steady.BaseTorque(),
         steady.VaryingBaseTorque(),
         steady.WheelLoss(),
-        OnSprings(),
         steady.ForceAtS(),
         steady.Push(),
         air_table.LevelPull(),
@@ -27,6 +26,7 @@ AGENTS: dict[str, Agent] = {
         orbital.OrbitalDrag(),
         orbital.SunlightPressure(),
         orbital.MagneticDipole(),
+        OnSprings(),
         # Densities are estimated from the last unknowns: their waves are these.
         steady.TorqueWalk(),
         steady.ForceWalk(),

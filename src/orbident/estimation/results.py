@@ -219,8 +219,10 @@ def _unused_torques(
 ) -> list[str]:
     """Which torques do not count, and why."""
     shown = joints_with_torques(problem.robot, problem.recording)
-    if shown and method != "maximum-likelihood":
-        return [f"{method} leaves torques of joints out: maximum-likelihood takes them"]
+    if method != "maximum-likelihood":
+        # An ideal flight shows them of every robot.
+        words = f"{method} leaves torques of joints out: maximum-likelihood takes them"
+        return [words] if shown and problem.robot.sensors.torques else []
     left = [name for name in shown if name not in estimate.drives]
     if not left:
         return []

@@ -84,6 +84,7 @@ def _read(size: object, dimension: str | None) -> float:
         return math.inf
     if dimension is None:
         raise WrongValueError(
-            f"give '{FREE}', or say how large it is under momentum_walk or passive"
+            f"give '{FREE}', or its density under momentum_walk, or its springs under "
+            "passive"
         )
     return at_least_zero(size, dimension)

@@ -96,7 +96,8 @@ def test_a_delay_is_believed_if_it_is_sure_and_worth_it():
 
 def test_what_shares_a_clock_is_corrected_together():
     clocks = {"joints": Delay(0.037, 1e-4, True), "attitude": Delay(0.01, 1e-2, False)}
-    assert corrections(clocks) == {"joints": 0.037, "wheels": 0.037}
+    same = ("joints", "wheels", "torques")
+    assert corrections(clocks) == dict.fromkeys(same, 0.037)
     assert clocks_in_words(clocks) == (
         "the clock of joints and wheels is 37.00 +- 0.1 ms behind that of the base "
         "rate: corrected",

@@ -37,7 +37,7 @@ ENTRIES = """\
             [0, 0, 0, 1],
             [0, 0, 0],
             ["attitude", "position"],
-            "position: 10 samples of a frozen pose",
+            "position: 10 samples of a frozen sensor",
         ),
         (X[200], P[200], ["attitude", "position"], "attitude: 10 samples of a frozen"),
         (
