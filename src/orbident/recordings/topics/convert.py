@@ -299,7 +299,7 @@ def _collect(
         for track in fed[topic]:
             track.add(received, message)
         if done >= told:
-            said(min(0.75 * done / total, 0.75))
+            said(0.75 * min(done / total, 1.0))
             told = done + _SAID_EVERY
 
 

@@ -1,15 +1,17 @@
 """Every cell of a converted bag against what was written."""
 
 import random
+import re
 from math import nan
 
 import numpy as np
 import pytest
-from bag_writers import KINDS, START, Sent, float64, imu, joint_state, pose
-from conversions import cells, converted
+from bag_writers import KINDS, START, Sent, float64, imu, joint_state, pose, write_bag
+from conversions import HEAD, cells, converted
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
+from orbident.recordings.topics.convert import convert_file
 
 MS = 1_000_000
 
@@ -340,3 +342,14 @@ def test_unit_quaternions_are_needed_only_where_they_are_used(tmp_path):
     line = str(raised.value)
     assert "topic '/imu': 300 of 300 quaternions" in line
     assert "at 1700000000.000 s with norm 0" in line
+
+
+def test_a_bag_that_counts_more_messages_than_a_number_holds(tmp_path):
+    """Counts in its metadata are for progress alone."""
+    bag = write_bag("ros2-mcap", tmp_path, messages(20))
+    about = bag / "metadata.yaml"
+    many = re.sub(r"message_count: \d+", f"message_count: {10**400}", about.read_text())
+    about.write_text(many)
+    (tmp_path / "map.yaml").write_text(HEAD + ENTRIES)
+    report = convert_file(bag, tmp_path / "map.yaml", tmp_path / "recording.csv")
+    assert report.topics[0].messages == 20
