@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 317,
-    "lines": 61_835,
+    "lines": 61_839,
     "files of estimation": 50,
     "lines of estimation": 11_454,
     "files with one user": 69,

@@ -115,5 +115,9 @@ def truth_through_change(
     # The sample at the change itself is the last one before it.
     last = len(first) if at in t else -1
     return Truth(
-        *(np.concatenate([a[:last], b[1:]]) for a, b in zip(sooner, later, strict=True))
+        **{
+            name: np.concatenate([a[:last], b[1:]])
+            for name, a, b in zip(Truth._fields, sooner, later, strict=True)
+            if a is not None and b is not None
+        }
     )

@@ -23,6 +23,10 @@ from orbident.estimation.momentum_problem import MomentumProblem
 SMALL = np.array([1e-5, 1e-6])
 """s and s^2: far below what would be seen."""
 
+CLEAR = 4.0
+"""Times the square of the time by which samples are late: what is smoothed, or swings,
+is no more late than that."""
+
 HALF, DEGREE = 8, 4
 """Samples before and after one, and of the polynomial through them."""
 
@@ -57,13 +61,13 @@ def filters(problem: MomentumProblem) -> Iterator[Suspect]:
 def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:
     def words(c: Numbers) -> str:
         late, smooth = float(c[0]), float(c[1])
-        if late**2 < smooth:
+        if CLEAR * late**2 < smooth:
             f = 1 / (2 * np.pi * np.sqrt(smooth))
             return (
                 f"the sensor of the {what} swings at {f:.2g} Hz beside the robot, as "
                 "on a mast or a soft mount"
             )
-        if late**2 < -smooth:
+        if CLEAR * late**2 < -smooth:
             over = np.sqrt(24 * abs(smooth))
             return f"a filter smooths the samples of the {what} over some {over:.2g} s"
         way = "late" if late > 0 else "early"
