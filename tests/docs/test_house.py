@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 317,
-    "lines": 61_839,
+    "files": 318,
+    "lines": 61_843,
     "files of estimation": 50,
-    "lines of estimation": 11_454,
+    "lines of estimation": 11_455,
     "files with one user": 69,
     "imports below each other": 31,
     "numbers without a reason": 38,

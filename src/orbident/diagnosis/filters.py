@@ -19,6 +19,7 @@ from scipy.interpolate import CubicSpline
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Numbers, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.recordings.derivatives import HALF, derivatives
 
 SMALL = np.array([1e-5, 1e-6])
 """s and s^2: far below what would be seen."""
@@ -26,9 +27,6 @@ SMALL = np.array([1e-5, 1e-6])
 CLEAR = 4.0
 """Times the square of the time by which samples are late: what is smoothed, or swings,
 is no more late than that."""
-
-HALF, DEGREE = 8, 4
-"""Samples before and after one, and of the polynomial through them."""
 
 Slopes = tuple[Float[np.ndarray, "n axes"], Float[np.ndarray, "n axes"]]
 """The first and the second derivative by time."""
@@ -90,24 +88,9 @@ def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:
 
 
 def slopes(t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n axes"]) -> Slopes:
-    """By a polynomial through the samples around each; zero where there is none.
-
-    Its own is left out, or its noise would seem to be explained by itself.
-    """
+    """Both derivatives of samples, of which some may be missing; zero where none is."""
     first, second = np.zeros_like(x), np.zeros_like(x)
-    seen = np.flatnonzero(np.isfinite(x).all(axis=1))
-    if seen.size <= 2 * HALF:
-        return first, second
-    dt = float(np.median(np.diff(t[seen])))
-    k = np.delete(np.arange(-HALF, HALF + 1), HALF) / HALF
-    by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
-    by = np.insert(by, HALF, 0.0, axis=1)
-    around = ((HALF, HALF), (0, 0))
-    padded = np.pad(x[seen], around, mode="reflect", reflect_type="odd")
-    for out, weights in (
-        (first, by[1] / (HALF * dt)),
-        (second, 2 * by[2] / (HALF * dt) ** 2),
-    ):
-        columns = [np.correlate(axis, weights, "valid") for axis in padded.T]
-        out[seen] = np.column_stack(columns)
+    seen = np.isfinite(x).all(axis=1)
+    if seen.sum() > 2 * HALF:
+        first[seen], second[seen] = derivatives(t[seen], x[seen])
     return first, second

@@ -25,8 +25,8 @@ LATE, THRUST = 0.3, 0.5
 """Deviations beforehand of thrusters, s and relative: a computer far away commands."""
 
 OTHERWISE, ROTOR = 2.0, 10.0
-"""The same of torques that are shown with another sign, and of what rotors behind gears
-add to a joint's inertia, kg m^2."""
+"""Deviations beforehand of a torque's scale, relative, which holds another sign, and of
+what rotors behind gears add to a joint's inertia, kg m^2."""
 
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""

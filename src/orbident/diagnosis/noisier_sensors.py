@@ -88,7 +88,8 @@ class Lasting(NamedTuple):
     gain: float
     """What the likelihood gains by it, twice its logarithm, about."""
     price: float
-    """Of as many numbers as there are such times in the recording (Schwarz 1978)."""
+    """What must be gained, as each such time of the recording needs a number of its own
+    on each axis (Schwarz 1978)."""
 
     @property
     def words(self) -> str:

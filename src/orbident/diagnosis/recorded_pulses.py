@@ -62,7 +62,7 @@ class ShownPulses(NamedTuple):
     """What columns of thrusters do, at the time that explains most."""
 
     names: tuple[str, ...]
-    """Of those that were recorded to act."""
+    """The thrusters that were recorded to act."""
     late: float
     """s, after their commands."""
     explained: float

@@ -12,16 +12,13 @@ So it acts on a rigid robot as the torque `d/dt (R_WB K d2w/dt2)`.
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
 from orbident.environment.agent import AXES, Agent, Disturbance
 from orbident.environment.motion import RobotMotion
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
-
-HALF, DEGREE = 8, 4
-"""Rows before and after one, and of the polynomial that gives its derivatives."""
+from orbident.recordings.derivatives import HALF, derivatives
 
 
 class OnSprings(Agent):
@@ -41,7 +38,7 @@ class OnSprings(Agent):
         t, w = motion.t[::2], motion.w[::2]
         if t.size <= 2 * HALF:
             return
-        bent = second_derivative(t, w)
+        _, bent = derivatives(t, w)
         axes = conserved_axes(motion.robot)[0]
         for i in axes:
             for k in axes[axes.index(i) :]:
@@ -51,18 +48,3 @@ class OnSprings(Agent):
                 torque = CubicSpline(t, momentum)(motion.t, 1)
                 name = f"{AXES[i]}{AXES[k]}"
                 yield self.column(name, motion.turning(torque), positive=i == k)
-
-
-def second_derivative(
-    t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n axes"]
-) -> Float[np.ndarray, "n axes"]:
-    """By a polynomial through the rows around each, but not through its own.
-
-    So the noise of a row is not in what it is compared with.
-    """
-    dt = float(np.median(np.diff(t)))
-    k = np.delete(np.arange(-HALF, HALF + 1), HALF) / HALF
-    by = 2 * np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))[2]
-    weights = np.insert(by, HALF, 0.0) / (HALF * dt) ** 2
-    padded = np.pad(x, ((HALF, HALF), (0, 0)), mode="reflect", reflect_type="odd")
-    return np.column_stack([np.correlate(axis, weights, "valid") for axis in padded.T])

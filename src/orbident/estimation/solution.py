@@ -275,7 +275,7 @@ class Solution(NamedTuple):
     convergence: Convergence = ()
     """How the search got there."""
     names: tuple[str, ...] = ()
-    """Of what is selected."""
+    """The names of the unknowns that the state selects, in its order."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:

@@ -27,7 +27,8 @@ SPRING = ("frequency", "damping")
 """The last words of errors of a passive joint, `joint.panel.frequency`."""
 
 DRIVE = ("armature", "viscous", "coulomb", "torque_offset")
-"""The same of what a joint's torque drives beside what the joint moves."""
+"""The last words of what a joint's torque drives beside what the joint moves, such as
+`joint.elbow.viscous`."""
 
 
 class SpringFit(NamedTuple):

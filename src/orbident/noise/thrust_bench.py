@@ -210,8 +210,11 @@ def table_of_benches(found: Sequence[BenchThrust]) -> DataTable:
 
 
 def thruster_section(found: Sequence[BenchThrust]) -> list[dict[str, Any]]:
-    """The `thrusters` section of a robot file, but for where they are."""
-    unsaid = {"position": "TODO", "direction": "TODO"}
+    """The `thrusters` section of a robot file, but for where they are.
+
+    A load cell does not know: until it is filled in, the file is refused.
+    """
+    unsaid = {"position": "x, y, z in m", "direction": "x, y, z of the force"}
     return [
         {"name": each.name, "thrust": round(each.thrust, 4), **unsaid} for each in found
     ]

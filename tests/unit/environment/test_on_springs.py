@@ -4,7 +4,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orbident.environment.motion import RobotMotion
-from orbident.environment.on_springs import HALF, OnSprings, second_derivative
+from orbident.environment.on_springs import OnSprings
+from orbident.recordings.derivatives import HALF, derivatives
 from orbident.robot.robot_file import load_robot
 
 
@@ -31,6 +32,6 @@ def test_the_torque_of_a_turn_about_one_axis():
 def test_the_noise_of_a_row_is_not_in_its_own_derivative():
     x = np.zeros((60, 1))
     x[30] = 1.0
-    bent = second_derivative(0.05 * np.arange(60.0), x)
+    _, bent = derivatives(0.05 * np.arange(60.0), x)
     assert bent[30] == 0
     assert (bent[30 - HALF : 30] != 0).all()

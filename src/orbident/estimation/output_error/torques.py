@@ -30,8 +30,8 @@ from orbident.robot.description import Robot
 from orbident.robot.friction import NO_FRICTION
 
 STANDING = 1e-2
-"""Of a joint's root mean square rate: while it is slower, from one sample to the next,
-its brake or sticking friction may hold it, with a torque that no equation has."""
+"""Part of its root mean square rate below which a joint counts as standing: its brake
+or sticking friction may hold it then, with a torque that no equation has."""
 
 COMPLETE = 0.9
 """Part of the samples that an interval must have: splines fill in single ones."""
