@@ -32,7 +32,7 @@ from orbident.diagnosis.noisier_sensors import (
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.suspects import score_of
+from orbident.diagnosis.suspects import Scores
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
 from orbident.environment.agents import AGENTS
@@ -325,6 +325,7 @@ def _scored(
     price = np.log(problem.samples.t.size)
     table = shown.sensitivity()
     driven = joints_with_torques(problem.robot, problem.recording)
+    scores = Scores(problem, shown.solution)
     for kind in kinds(problem.robot, problem.samples.wrenches, driven):
         first = table.together(kind.names)
         if first.values.size:
@@ -338,7 +339,7 @@ def _scored(
         *fast_clocks(problem),
         *filters(problem),
     ):
-        first = score_of(problem, shown.solution, suspect)
+        first = scores.of(suspect)
         gain = first.fall - price * first.values.size
         if first.values.size:
             put = partial(put_right, problem, suspect, first, misfit(shown))

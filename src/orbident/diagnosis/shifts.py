@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtri
 
-from orbident.diagnosis.suspects import Numbers, Suspect, score_of, tried
+from orbident.diagnosis.suspects import Numbers, Scores, Suspect, tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.clock_search import misfit
 from orbident.estimation.estimate import Estimate
@@ -274,7 +274,7 @@ def jumps(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
     slow = [jump for jump in found if jump.sensor not in RATES]
     if slow and shown.solution is not None:
         suspect = step(problem, slow[0].sensor, slow[0].row)
-        first = score_of(problem, shown.solution, suspect)
+        first = Scores(problem, shown.solution).of(suspect)
         if first.values.size:
             trials = tried(problem, suspect, first, misfit(shown))
             yield from (one._replace(seen=True) for one in trials)

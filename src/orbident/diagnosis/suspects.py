@@ -16,7 +16,8 @@ from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.problem import linear, problem_of
+from orbident.estimation.output_error.acting import Acting, Followed
+from orbident.estimation.output_error.problem import Problem, linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import Score, score
@@ -45,31 +46,71 @@ class Suspect(NamedTuple):
 NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
 
 
-def score_of(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Score:
-    """The numbers that lower the sum of squares most, to first order.
+class Scores:
+    """Scores of suspects at a best fit, where each is at zero."""
 
-    Args:
-        problem: as it is fitted.
-        solution: its best fit.
-        suspect: who is at zero there.
-    """
-    zero, columns = np.zeros_like(suspect.small), []
-    # What overflows has no score.
-    with np.errstate(all="ignore"):
-        try:
-            r = _left(suspect.corrected(problem, zero), solution)
-            for k, small in enumerate(suspect.small):
-                c = zero.copy()
-                c[k] = small
-                moved = _left(suspect.corrected(problem, c), solution)
-                columns.append((moved - r) / small)
-        except (InputError, np.linalg.LinAlgError):
+    def __init__(self, problem: MomentumProblem, solution: Solution) -> None:
+        """Keep what they are worked out at.
+
+        Args:
+            problem: as it is fitted.
+            solution: its best fit.
+        """
+        self.problem, self.solution = problem, solution
+        # What acts from outside follows the motion as it was recorded.
+        self.followed = _equations(problem).acting.followed
+
+    def of(self, suspect: Suspect) -> Score:
+        """The numbers that lower the sum of squares most, to first order."""
+        # What overflows has no score.
+        with np.errstate(all="ignore"):
+            try:
+                r, *moved = [
+                    self._left(suspect.corrected(self.problem, c))
+                    for c in (0 * suspect.small, *np.diag(suspect.small))
+                ]
+            except (InputError, np.linalg.LinAlgError):
+                return NOTHING
+            D = np.column_stack([x - r for x in moved]) / suspect.small
+            sized = np.linalg.norm(D, axis=0)
+        if not np.isfinite(sized).all() or not sized.all():
             return NOTHING
-        D = np.column_stack(columns)
-        sized = np.linalg.norm(D, axis=0)
-    if not np.isfinite(sized).all() or not sized.all():
-        return NOTHING
-    return score(D, -r)
+        return score(D, -r)
+
+    def _left(self, changed: MomentumProblem) -> Float[np.ndarray, " n"]:
+        """The whitened residuals of all sensors where all else follows."""
+        solution = self.solution
+        equations = _equations(changed, self.followed)
+        # The places of calibrations are others where there are other wheels.
+        every = (*equations.declared, *equations.acting.expected)
+        places = np.array([x.place for x in every if x.name in solution.names])
+        same = equations.boundaries.size == len(solution.state.x_WB)
+        same &= all(len(x) == equations.t.size for x in solution.weights.values())
+        if not same or places.size != solution.state.selected.size:
+            raise InputError("other rows, intervals or errors: not comparable")
+        state = solution.state._replace(selected=places)
+        here = linear(equations, solution.weights, state)
+        # After one step of all other unknowns.
+        factor = solution.prior.added(here.common, state)
+        g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
+        there = linear(equations, solution.weights, state.moved(here.step(g), g))
+        return np.concatenate([table.ravel() for table in there.residuals.values()])
+
+
+def _equations(problem: MomentumProblem, followed: Followed | None = None) -> Problem:
+    """The equations of a problem, with what acts along another motion if one is given.
+
+    Small changes of a sensor hardly change what acts, and working that out takes long.
+    """
+    robot = problem.robot
+    late = delays(robot, problem.recording, problem.late)
+    sensors = sensors_of(robot, problem.recording, late)
+    equations = problem_of(robot, problem.sets, problem.samples, sensors)
+    if followed is None:
+        return equations
+    acting = equations.acting
+    along = Acting(followed, acting.first, acting.allowed)
+    return equations._replace(acting=along)
 
 
 def tried(
@@ -102,32 +143,8 @@ def tried(
         # Scores are of a best fit.
         if found.lost:
             break
-        more = score_of(right, found.estimate.solution, suspect)
+        more = Scores(right, found.estimate.solution).of(suspect)
         if not more.fall or np.all(abs(more.values) < SETTLED * more.std):
             break
         numbers = numbers + more.values
     yield best
-
-
-def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n"]:
-    """The whitened residuals of all sensors where all else follows."""
-    robot = changed.robot
-    sensors = sensors_of(
-        robot, changed.recording, delays(robot, changed.recording, changed.late)
-    )
-    equations = problem_of(robot, changed.sets, changed.samples, sensors)
-    # The places of calibrations are others where there are other wheels.
-    every = (*equations.declared, *equations.acting.expected)
-    places = np.array([each.place for each in every if each.name in solution.names])
-    same = equations.boundaries.size == len(solution.state.x_WB)
-    same &= all(len(each) == equations.t.size for each in solution.weights.values())
-    if not same or places.size != solution.state.selected.size:
-        raise InputError("other rows, intervals or calibration errors: not comparable")
-    state = solution.state._replace(selected=places)
-    here = linear(equations, solution.weights, state)
-    # After one step of all other unknowns.
-    factor = solution.prior.added(here.common, state)
-    g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
-    there = linear(equations, solution.weights, state.moved(here.step(g), g))
-    left = [table.ravel() for table in there.residuals.values()]
-    return np.concatenate(left)

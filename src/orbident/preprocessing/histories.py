@@ -104,7 +104,9 @@ def histories(
         return [one(name) for name in names]
 
     groups = [names[k : k + AT_ONCE] for k in range(0, len(names), AT_ONCE)]
-    every = [*chain.from_iterable(side_by_side(group, groups))]
+    # One group alone has all threads of the core, and starts none for itself.
+    each = side_by_side if len(groups) > 1 else map
+    every = [*chain.from_iterable(each(group, groups))]
     return Histories(
         tuple(q for each in every for q in each.positions),
         tuple(each.rate for each in every),

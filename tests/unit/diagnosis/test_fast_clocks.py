@@ -8,7 +8,7 @@ from cause_problems import clean, fitted, problem_with
 from scipy.interpolate import CubicSpline
 
 from orbident.diagnosis.late_clocks import fast_clocks
-from orbident.diagnosis.suspects import score_of
+from orbident.diagnosis.suspects import Scores
 
 RATE = 0.002
 
@@ -38,7 +38,7 @@ def test_a_clock_that_runs_fast(sensor: str):
     )
     solution = fitted(problem).solution
     assert solution is not None
-    found = score_of(problem, solution, suspect).values
+    found = Scores(problem, solution).of(suspect).values
     # The end of a recording is 60 ms late, which shows in second order too.
     np.testing.assert_allclose(found[0], RATE, rtol=0.15)
 

@@ -5,7 +5,7 @@ import pytest
 from cause_problems import fitted, problem_with
 
 from orbident.diagnosis.shifts import FAR, jump_of, jumps, steps
-from orbident.diagnosis.suspects import score_of
+from orbident.diagnosis.suspects import Scores
 
 ONES = np.ones(3)
 T = np.arange(300) * 0.1
@@ -53,7 +53,7 @@ def test_a_gyro_that_jumps_by_less_than_it_shows():
     assert [*jumps(problem, shown)] == []
     suspect = next(each for each in steps(problem, shown) if "gyro" in each.words(ONES))
     assert shown.solution is not None
-    first = score_of(problem, shown.solution, suspect)
+    first = Scores(problem, shown.solution).of(suspect)
     assert "t = 15 s" in suspect.words(first.values)
     far = 5 * first.std.max()
     np.testing.assert_allclose(first.values, [0.0, 5e-4, 0.0], atol=far)

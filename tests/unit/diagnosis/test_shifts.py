@@ -4,7 +4,7 @@ import numpy as np
 from cause_problems import clean, fitted, problem_with
 
 from orbident.diagnosis.shifts import drifts, joint_errors, less, step
-from orbident.diagnosis.suspects import Suspect, score_of
+from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.recordings.recording import Recording
 
@@ -12,7 +12,7 @@ from orbident.recordings.recording import Recording
 def numbers(problem: MomentumProblem, suspect: Suspect) -> np.ndarray:
     solution = fitted(problem).solution
     assert solution is not None
-    return score_of(problem, solution, suspect).values
+    return Scores(problem, solution).of(suspect).values
 
 
 def with_recording(recording: Recording) -> MomentumProblem:

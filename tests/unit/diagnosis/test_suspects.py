@@ -7,7 +7,7 @@ from cause_problems import clean, fitted, problem_with
 from edited_recordings import changed
 
 from orbident.diagnosis.frames import beside, missing_wheel
-from orbident.diagnosis.suspects import Suspect, score_of
+from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.unknowns import Score
 
@@ -15,7 +15,7 @@ from orbident.estimation.unknowns import Score
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
     solution = fitted(problem).solution
     assert solution is not None
-    scores = [(each, score_of(problem, solution, each)) for each in suspects]
+    scores = [(each, Scores(problem, solution).of(each)) for each in suspects]
     return max(scores, key=lambda one: one[1].fall)
 
 

@@ -240,13 +240,14 @@ def _best(
     is wrong.
     """
     problem, here = search.problem, [zeros.solution.state]
-    # A bad fit is hardly near anything.
-    bad = _bad(problem, cost)
-    near = [*search.starts, *here] if bad else [*here, *search.starts]
+    # A bad fit is hardly near anything; the better start is, where a family is right.
+    best = search.starts[:1]
+    near = [*best, *here] if _bad(problem, cost) else [*here, *best]
     among = (*problem.expected, *problem.declared)
     free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
-    beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
+    # A walk is as large as its density, which is no unknown here.
+    beside = {*excluded, *free, *WALKS, *(SLOW if {*SLOW, *WALKS} & free else ())}
     tried = []
     for family in _likely(_beyond(zeros, beside)):
         freed = search.allowing({family: np.inf})
