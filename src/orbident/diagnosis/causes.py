@@ -23,11 +23,9 @@ from orbident.diagnosis.linear_test import (
     tried_conventions,
 )
 from orbident.diagnosis.noisier_sensors import (
-    lasting,
+    lasting_errors,
     noisier_sensors,
     spikes,
-    wandering,
-    with_lasting,
 )
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
@@ -250,7 +248,7 @@ def _tried(
     All others are tried in the order of what they would explain to first order, until
     the CPU's time is at its end.
     """
-    problem, trials, rival = solved.problem, list[Trial](), NONE
+    problem, shown, trials, rival = solved.problem, solved.shown, list[Trial](), NONE
     late = dict[str, float]()
 
     def far_clocks(problem: MomentumProblem) -> Iterable[Trial]:
@@ -270,7 +268,8 @@ def _tried(
         # Wrong inertias of known wheels may look like another one.
         missing_wheel,
         near_clocks,
-        wandering,
+        # What lasts explains much of anything.
+        partial(lasting_errors, shown=shown),
     ):
         for one in some(problem):
             trials.append(_sure(one, before))
@@ -310,10 +309,6 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
         others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
         for one in put() if own.falls > WORTH else ():
             yield one._replace(rival=max(others, default=NONE))
-    # What lasts explains much of anything.
-    errors = lasting(problem, shown)
-    if errors is not None and errors.gain - errors.price > WORTH:
-        yield from with_lasting(problem, errors)
 
 
 def _scored(

@@ -1,4 +1,4 @@
-"""Is a sensor noisier than the robot file says, or does a gyro's bias wander?
+"""Is a sensor noisier than the robot file says, or do its errors last longer?
 
 Single samples that are off what their neighbours show: spikes within the motion.
 
@@ -17,10 +17,11 @@ from scipy.ndimage import maximum_filter1d, median_filter
 from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
 from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
+from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.gaussian import OF_MEDIAN, noisiest_std
-from orbident.robot.sensor_schema import InertialSpec, Sampled
+from orbident.robot.sensor_schema import InertialSpec, Sampled, TrackerSpec
 from orbident.threads import processors
 
 NOISIER = 1.5
@@ -30,7 +31,7 @@ UNMODELLED = Rival(np.inf, "something slow acts or moves in the robot")
 """So free a bias explains much that is none."""
 
 WANDERS = 100.0
-"""Times the declared walk of a bias: what it needs is found by the fit."""
+"""Times the declared walk of a bias: what it needs of that the fit estimates."""
 
 WHITE = 0.1
 """Correlation of neighbouring residuals below which nothing lasts."""
@@ -62,86 +63,93 @@ def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
         yield _trial(cause, problem, amended)._replace(seen=True)
 
 
-def wandering(problem: MomentumProblem) -> Iterator[Trial]:
-    """Identify again with a gyro whose bias may walk freely."""
-    gyro = problem.robot.sensors.gyro
-    if not problem.recording.has("gyro.x") or not (gyro and gyro.bias_instability):
-        return
-    walk = {"bias_instability": WANDERS * gyro.bias_instability}
-    words = (
-        "the bias of the gyro drifts far more than the robot file declares: with one "
-        "that may walk 100 times as far"
-    )
-    found = _trial(words, problem, {"gyro": gyro.model_copy(update=walk)})
-    if found.accepted:
-        yield found._replace(rival=UNMODELLED)
-
-
 class Lasting(NamedTuple):
-    """Errors of a tracker that last, as its residuals do."""
+    """Errors of a sensor that last longer than the robot file says."""
 
-    sensor: str
-    size: float
-    """rad or m."""
-    time: float
-    """s: after it `1 / e` of their covariance is left."""
+    words: str
+    """What it is, a clause."""
+    sensors: Mapping[str, Sampled]
+    """The sensor with a noise that lasts so."""
     gain: float
-    """What the likelihood gains by it, twice its logarithm, about."""
-    price: float
-    """What must be gained, as each such time of the recording needs a number of its own
-    on each axis (Schwarz 1978)."""
-
-    @property
-    def words(self) -> str:
-        """What it is, a clause."""
-        return (
-            f"the {self.sensor} has lasting errors of {self.size:.2g} (SI), each over "
-            f"some {self.time:.2g} s"
-        )
+    """What the likelihood of the residuals gains by it, twice its logarithm."""
+    numbers: float
+    """How many the fit has for it: one for each such time, on each axis."""
 
 
-def lasting(problem: MomentumProblem, shown: Estimate) -> Lasting | None:
-    """The tracker whose residuals are most like errors that last, if any is.
+def lasting(problem: MomentumProblem, shown: Estimate) -> list[Lasting]:
+    """The sensors whose errors may be what lasts in the residuals, the likeliest first.
+
+    A tracker's own residuals last where its errors do, and those of all trackers where
+    the bias of a gyro walks.
 
     Args:
         problem: of a recording.
         shown: how it is fitted.
     """
     sensors, found = problem.robot.sensors, list[Lasting]()
-    trackers = {"attitude": sensors.attitude, "position": sensors.position}
     for signal in shown.signals:
-        tracker = trackers.get(signal.name)
-        if tracker is None or tracker.markov_std or signal.t.size < AROUND:
+        tracker = sensors.of(signal.name)
+        if not isinstance(tracker, TrackerSpec) or signal.t.size < AROUND:
             continue
         r = signal.measured - signal.predicted
         lags = range(1, signal.t.size // 4)
         covariance = np.array([np.mean(r[k:] * r[:-k]) for k in lags])
-        alike = covariance[0] / np.mean(r**2)
-        if alike < WHITE:
+        part = float(covariance[0] / np.mean(r**2))
+        if tracker.markov_std or part < WHITE:
             continue
-        row = float(np.median(np.diff(signal.t)))
-        time = row * float(1 + np.argmax(covariance < covariance[0] / np.e))
-        numbers = r.shape[1] * float(np.ptp(signal.t)) / time
-        price = numbers * float(np.log(problem.samples.t.size))
-        size, gain = (
-            float(np.sqrt(covariance[0])),
-            -r.size * float(np.log1p(-(alike**2))),
+        rows = float(1 + np.argmax(covariance < covariance[0] / np.e))
+        time = rows * float(np.median(np.diff(signal.t)))
+        size = float(np.sqrt(covariance[0]))
+        more = {"markov_std": 3 * (size,), "correlation_time": 3 * (time,)}
+        found.append(
+            Lasting(
+                f"the {signal.name} has lasting errors of {size:.2g} (SI), each over "
+                f"some {time:.2g} s",
+                {signal.name: tracker.model_copy(update=more)},
+                _gain(r, part, rows),
+                r.shape[1] * float(np.ptp(signal.t)) / time,
+            )
         )
-        found.append(Lasting(signal.name, size, time, gain, price))
-    return max(found, key=lambda each: each.gain - each.price, default=None)
+    gyro = sensors.gyro
+    if found and problem.recording.has("gyro.x") and gyro and gyro.bias_instability:
+        walk = {"bias_instability": WANDERS * gyro.bias_instability}
+        found.append(
+            Lasting(
+                "the bias of the gyro drifts far more than the robot file declares",
+                {"gyro": gyro.model_copy(update=walk)},
+                sum(each.gain for each in found),
+                max(each.numbers for each in found),
+            )
+        )
+    return sorted(found, key=lambda each: -each.gain)
 
 
-def with_lasting(problem: MomentumProblem, errors: Lasting) -> Iterator[Trial]:
-    """Identify again with a tracker whose errors last."""
-    tracker = problem.robot.sensors.of(errors.sensor)
-    more = {
-        "markov_std": 3 * (errors.size,),
-        "correlation_time": 3 * (errors.time,),
-    }
-    amended = {errors.sensor: tracker.model_copy(update=more)}
-    found = _trial(errors.words, problem, amended)
-    rival = UNMODELLED if found.accepted else NONE
-    yield found._replace(misfit=found.misfit + errors.price, rival=rival)
+def _gain(r: Float[np.ndarray, "n axes"], part: float, rows: float) -> float:
+    """What the likelihood gains where a part of noise is correlated over some rows.
+
+    The periodogram at each frequency is that of the noise times a variable of its own
+    (Whittle 1953). Noise of which a part is `a` times what it was a row before has
+
+        S = (1 - part) + part (1 - a^2) / |1 - a exp(-i w)|^2.
+    """
+    n, a = len(r), np.exp(-1 / rows)
+    w = 2 * np.pi * np.arange(1, n // 2 + 1)[:, None] / n
+    shown = np.abs(np.fft.rfft(r, axis=0)[1:]) ** 2 / (n * np.mean(r**2, axis=0))
+    S = 1 - part + part * (1 - a**2) / np.abs(1 - a * np.exp(-1j * w)) ** 2
+    return float(2 * np.sum(shown - shown / S - np.log(S)))
+
+
+def lasting_errors(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
+    """Identify again with each sensor whose errors may last."""
+    one = float(np.log(problem.samples.t.size))
+    for errors in lasting(problem, shown):
+        # Its size and its time are what the residuals gave.
+        if errors.gain - 2 * one > WORTH:
+            found = _trial(errors.words, problem, errors.sensors)
+            rival = UNMODELLED if found.accepted else NONE
+            # As many unknowns explain so much by chance (Schwarz 1978).
+            price = errors.numbers * one
+            yield found._replace(misfit=found.misfit + price, rival=rival)
 
 
 def _trial(

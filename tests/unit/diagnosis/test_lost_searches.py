@@ -15,7 +15,7 @@ from orbident.estimation.output_error import hypotheses
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
-STAGES = "noisier_sensors", "spikes", "missing_wheel", "clocks", "wandering"
+STAGES = "noisier_sensors", "spikes", "missing_wheel", "clocks", "lasting_errors"
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_so_many_trials_without_a_least_cost_are_enough(
     """Those that were not even fitted do not count."""
     made: list[Trial] = []
 
-    def trials(problem: MomentumProblem, *_: object) -> Iterator[Trial]:
+    def trials(problem: MomentumProblem, *_: object, **__: object) -> Iterator[Trial]:
         for _k in range(4):
             made.append(Trial("", False, 1e9, lost if fits else None))
             yield made[-1]
