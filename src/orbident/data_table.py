@@ -4,7 +4,7 @@ This is the one import of pandas, for tables in notebooks.
 """
 
 from collections.abc import Iterable, Mapping
-from math import isnan
+from math import floor, isfinite, isnan, log10
 from typing import Any, NamedTuple
 
 from orbident.extras import extra
@@ -26,6 +26,36 @@ def frame(columns: Mapping[str, Any], index: Any, name: str) -> Any:
     return pd.DataFrame(dict(columns), index=pd.Index(index, name=name))
 
 
+DIGITS = 6
+"""The most significant ones, also where the deviation is smaller."""
+
+LARGEST = 5
+"""The power of ten beyond which a number is written with one,"""
+
+FINEST = -9
+"""and so where its last digit is beyond this."""
+
+
+def power_of_ten(value: float) -> int:
+    """That of the first digit."""
+    return floor(log10(abs(value))) if value else 0
+
+
+def last_digit(value: float, std: float) -> int:
+    """The power of ten of the last digit that says something: two of the deviation."""
+    last = power_of_ten(value) - DIGITS + 1
+    return max(power_of_ten(std) - 1, last) if isfinite(std) and std else last
+
+
+def plain(value: float, last: int) -> str:
+    """A finite number as plain text, to the power of ten of its last digit."""
+    power = power_of_ten(value)
+    if (power >= last and power > LARGEST) or last < FINEST:
+        return f"{value:.{max(power - last, 0)}e}"
+    # Without a sign where nothing is left.
+    return f"{round(value, -last) + 0.0:.{max(-last, 0)}f}"
+
+
 class Numeric(NamedTuple):
     """A number in a cell."""
 
@@ -34,8 +64,8 @@ class Numeric(NamedTuple):
     form: str = ".3g"
     """How plain text has it. Where it begins with a plus, it is a difference."""
     std: float | None = None
-    """The standard deviation of the number, in its unit; a report leaves out the digits
-    of the number that are smaller."""
+    """The standard deviation of the number, in its unit; digits of the number that are
+    smaller are left out."""
 
     @property
     def is_known(self) -> bool:
@@ -44,7 +74,14 @@ class Numeric(NamedTuple):
 
     def __str__(self) -> str:
         """Plain text; a dash where it is not known."""
-        return f"{self.value:{self.form}}" if self.is_known else "-"
+        if self.value is None or isnan(self.value):
+            return "-"
+        value = float(self.value)
+        last = last_digit(value, self.std or 0.0) if isfinite(value) else 0
+        if isfinite(value) and last > power_of_ten(value) - DIGITS + 1:
+            return plain(value, last)
+        # The deviation leaves all digits that are shown.
+        return f"{self.value:{self.form}}"
 
 
 class Interval(NamedTuple):
@@ -63,8 +100,10 @@ class Interval(NamedTuple):
         # Late, because 'doctor' has tables where NumPy cannot be imported.
         from orbident.gaussian import NINETY_FIVE
 
-        low, high = (self.value + k * NINETY_FIVE * self.std for k in (-1, 1))
-        return f"{low:.6g} to {high:.6g}" if self.is_known else "-"
+        if not self.is_known:
+            return "-"
+        last, half = last_digit(self.value, self.std), NINETY_FIVE * self.std
+        return f"{plain(self.value - half, last)} to {plain(self.value + half, last)}"
 
 
 Cell = str | Numeric | Interval

@@ -7,7 +7,12 @@ from textwrap import wrap
 from typing import Any
 
 from orbident.data_table import DataTable, Numeric
-from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
+from orbident.estimation.quantities import (
+    HEAD,
+    named,
+    parameter_line,
+    parameter_rows,
+)
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.parameter_section import (
     TITLES,
@@ -20,11 +25,8 @@ from orbident.report.parameter_section import (
 NOTES = 2
 """Notes that are printed with a refusal: it has eight lines at most."""
 
-NOTHING_ACTS = (
-    "if nothing acted from outside, std would be {:.2g} times smaller (see "
-    "'disturbances')"
-)
-"""What it would bring to know that nothing acts."""
+LITTLE = 1.05
+"""Times: what widens deviations by less is not worth a number."""
 
 COLUMNS = 80
 """The width of a terminal, as it opens nearly everywhere."""
@@ -51,7 +53,7 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         *_goodness(result),
         *_joints(result),
         *_limits(result.budget()),
-        *([NOTHING_ACTS.format(result.widened_by)] if result.allowed else []),
+        *_outside(result),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -164,6 +166,18 @@ def _disturbances(result: Any) -> list[str]:
     return ["", "from outside, SI", *lines] if lines else []
 
 
+def _outside(result: Any) -> list[str]:
+    """What it would bring to know that nothing acts."""
+    if not result.allowed:
+        return []
+    if result.widened_by < LITTLE:
+        return ["what may act from outside widens no std (see 'disturbances')"]
+    return [
+        "if nothing acted from outside, std would be "
+        f"{result.widened_by:.2g} times smaller (see 'disturbances')"
+    ]
+
+
 def _sensitivity(result: Any) -> list[str]:
     """What errors of instruments that are taken for zero may do."""
     table = result.sensitivity()
@@ -172,6 +186,9 @@ def _sensitivity(result: Any) -> list[str]:
     name, unit, parameter, shift = table.worst()
     if not shift:
         return []
+    base = result.base
+    if parameter in base.names:
+        parameter = named(parameter, base.formulas[base.names.index(parameter)])
     words = (
         f"{len(table.errors)} errors of instruments are taken for zero; most critical: "
         f"{name} must be right to {Numeric(1 / shift, '.2g')} {unit}, which shifts "

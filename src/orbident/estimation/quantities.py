@@ -1,5 +1,6 @@
 """Numbers with standard deviations: one, a named set, or all that is identified."""
 
+import re
 from collections.abc import Iterable, Iterator, Sized
 from dataclasses import dataclass, field, fields, replace
 from itertools import islice
@@ -8,7 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.data_table import Interval, Numeric, TableRow, frame
+from orbident.data_table import (
+    Interval,
+    Numeric,
+    TableRow,
+    frame,
+)
 from orbident.errors import InputError
 from orbident.files.json_parts import (
     Count,
@@ -49,7 +55,8 @@ class Parameters(JsonPart):
         """The first of them, a line each, and how many more there are."""
         width = max(map(len, self.names[:LISTED]), default=0)
         lines = [
-            f"{name:{width}} {value:12.6g} +- {std:<8.2g} {formula}".rstrip()
+            f"{name:{width}} {Numeric(value, '.6g', std)!s:>12} +- {std:<8.2g} "
+            f"{formula}".rstrip()
             for name, formula, value, std in islice(self, LISTED)
         ]
         left = len(self.names) - len(lines)
@@ -151,7 +158,7 @@ class Quantity:
 
     def __repr__(self) -> str:
         """The number with its deviation."""
-        return f"{self.value:.6g} +- {self.std:.2g}"
+        return f"{Numeric(self.value, '.6g', self.std)} +- {self.std:.2g}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -236,6 +243,13 @@ MOST = 9
 HEAD = f"  {'':10} {'estimate':>12} {'std':>9} {'CAD':>12} {'sigmas':>8} {'%':>8}"
 """`sigmas` and `%`: the difference from CAD in standard deviations, and in percent."""
 
+WIDEST = 27
+"""Letters of a physical name that stand, with all beside it, on a line of 80."""
+
+SHORT_HEAD = (
+    f" {'':{WIDEST}} {'':8} {'estimate':>9} {'std':>7} {'CAD':>9} {'sigmas':>6}"
+)
+
 
 def most_different(found: EstimatedSet, most: int) -> Int[np.ndarray, " rows"]:
     """Which parameters to show where not all can be.
@@ -278,18 +292,79 @@ def parameter_rows(found: EstimatedSet, which: Iterable[int]) -> Iterator[TableR
 def short_table(found: EstimatedSet) -> list[str]:
     """Lines of at most `MOST` parameters, and how far the others are from CAD."""
     shown = most_different(found, MOST)
-    lines = [HEAD, *map(parameter_line, parameter_rows(found, shown.tolist()))]
+    lines = [SHORT_HEAD, *(_short_line(found, k) for k in shown.tolist())]
     left = np.setdiff1d(np.arange(len(found.names)), shown)
     off = np.abs(found.sigmas[left])
     near, lost = np.isfinite(off), np.isnan(found.values[left])
     words = []
     if near.any():
         many = counted(int(near.sum()), "more is", "more are")
-        words.append(f"{many} within {off[near].max():.2g} sigmas of CAD")
+        most = float(off[near].max())
+        within = f"{most:.2g}" if most < 100 else f"{most:.0f}"
+        words.append(f"{many} within {within} sigmas of CAD")
     if lost.any():
         many = counted(int(lost.sum()), "more is", "more are")
         words.append(f"{many} not determined")
     return [*lines, f"  {', '.join(words)}"] if words else lines
+
+
+def _short_line(found: EstimatedSet, k: int) -> str:
+    """What a parameter is, its symbol and numbers."""
+    ((name, value, std, unit, _, nominal, *_),) = (
+        map(str, row.cells) for row in parameter_rows(found, [k])
+    )
+    what = _of_width(physical_name(name, found.formulas[k]), WIDEST)
+    sigmas = Numeric(found.sigmas[k], "+.1f" if abs(found.sigmas[k]) < 100 else "+.0f")
+    numbers = f"{value:>9} {std:>7} {nominal:>9} {sigmas!s:>6}"
+    return f" {what:{WIDEST}} {name:8} {numbers} {unit}"
+
+
+TERM = re.compile(r"(^-?|[+-] )([-\d.e+]+ )?(\w+)\(([^)]*)\)")
+"""A term of a formula: sign, factor, symbol and body."""
+
+
+def named(name: str, formula: str) -> str:
+    """What a base parameter is, and its symbol in brackets."""
+    physical = physical_name(name, formula)
+    return name if physical == name else f"{physical} ({name})"
+
+
+def physical_name(name: str, formula: str) -> str:
+    """What a base parameter is: moments of one body, and of what moves with it.
+
+    Args:
+        name: its symbol, `M`, `sigma_1` or `iota_1`.
+        formula: of it, in standard parameters.
+
+    Returns:
+        `"total mass"`, `"mx of link1"`, `"Ixx - Izz of link1 and beyond"`; the symbol
+        where its formula has no such term.
+    """
+    if name == "M":
+        return "total mass"
+    terms = [match.groups() for match in TERM.finditer(formula)]
+    kind = "m" if name.startswith("sigma") else "I"
+    own = [term for term in terms if term[2].startswith(kind) and term[2] != "m"]
+    if not own:
+        return name
+    _, factor, _, body = own[0]
+    parts = [f"{sign.strip()} {x}" for sign, f, x, b in own if (f, b) == (factor, body)]
+    beyond = " and beyond" if any(term[3] != body for term in terms) else ""
+    return f"{' '.join(parts).removeprefix('+').strip()} of {body}{beyond}"
+
+
+def _of_width(text: str, width: int) -> str:
+    """A text whose body's name is cut in its middle if it is too long."""
+    over = len(text) - width
+    if over <= 0:
+        return text
+    head, of, tail = text.partition(" of ")
+    body, beyond = tail.removesuffix(" and beyond"), ""
+    if body != tail:
+        beyond = " and beyond"
+    kept = max(len(body) - over - 2, 2)
+    cut = f"{body[: kept // 2 + kept % 2]}..{body[len(body) - kept // 2 :]}"
+    return f"{head}{of}{cut}{beyond}"
 
 
 def parameter_line(row: TableRow) -> str:

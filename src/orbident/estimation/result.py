@@ -17,6 +17,7 @@ from pydantic import (
 from typing_extensions import TypedDict
 
 from orbident.choices import CauseSearch
+from orbident.data_table import Interval
 from orbident.errors import InputError
 from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check, Level, worst
@@ -42,7 +43,6 @@ from orbident.files.json_parts import (
     held_as,
 )
 from orbident.files.schema_parts import WrongValueError
-from orbident.gaussian import NINETY_FIVE
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
@@ -237,12 +237,8 @@ class Result(BesideParameters, Identified):
         )
         if self.status == "rejected":
             return [head, self.refusal()]
-        M, std = self.mass.value, self.mass.std
-        low, high = M - NINETY_FIVE * std, M + NINETY_FIVE * std
-        mass = (
-            f"mass {M:.6g} +- {std:.2g} kg by {self.method} "
-            f"(95 %: {low:.6g} to {high:.6g})"
-        )
+        within = Interval(self.mass.value, self.mass.std)
+        mass = f"mass {self.mass!r} kg by {self.method} (95 %: {within})"
         return [head, mass, "", *short_table(self.base)]
 
     def __getstate__(self) -> dict[str, Any]:

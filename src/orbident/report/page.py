@@ -15,21 +15,23 @@ from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
-from orbident.data_table import Cell, DataTable, Interval
+from orbident.data_table import (
+    FINEST,
+    LARGEST,
+    Cell,
+    DataTable,
+    Interval,
+    last_digit,
+    power_of_ten,
+)
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import numbers
 
-DIGITS = 6
-"""The most significant ones, also where the deviation is smaller."""
-
-SMALLEST, LARGEST = -4, 5
-"""Powers of ten beyond which a number is written with one,"""
-
-FINEST = -9
-"""and so where its last digit is beyond this."""
+SMALLEST = -4
+"""The power of ten below which a number is written with one."""
 
 NONE = "\N{EN DASH}"
 """Instead of what is not known."""
@@ -44,14 +46,14 @@ def known(value: float | int | None) -> TypeGuard[float]:
 
 def with_std(value: float, std: float) -> str:
     """A value with the digits that its deviation leaves."""
-    return _to(value, _last(value, std)) if known(value) else NONE
+    return _to(value, last_digit(value, std)) if known(value) else NONE
 
 
 def interval_text(value: float, std: float) -> str:
     """The 95 % interval, with the digits of the value."""
     if not (known(value) and known(std)):
         return NONE
-    last, half = _last(value, std), NINETY_FIVE * std
+    last, half = last_digit(value, std), NINETY_FIVE * std
     return f"{_to(value - half, last)} to {_to(value + half, last)}"
 
 
@@ -59,7 +61,7 @@ def short(value: float | None, digits: int = 3) -> str:
     """So many significant digits."""
     if value is None or not known(value):
         return NONE
-    return _to(value, _power(value) - digits + 1)
+    return _to(value, power_of_ten(value) - digits + 1)
 
 
 def signed(difference: float) -> str:
@@ -86,18 +88,8 @@ def typeset(cell: Cell) -> str:
     return short(cell.value, int(cell.form[1:-1]))
 
 
-def _last(value: float, std: float) -> int:
-    """The power of ten of the last digit: two digits of the deviation."""
-    last = _power(value) - DIGITS + 1
-    return max(_power(std) - 1, last) if known(std) and std else last
-
-
-def _power(value: float) -> int:
-    return math.floor(math.log10(abs(value))) if value else 0
-
-
 def _to(value: float, last: int) -> str:
-    power = _power(value)
+    power = power_of_ten(value)
     beyond = power >= last and not SMALLEST <= power <= LARGEST
     if beyond or last < FINEST:
         mantissa, exponent = f"{value:.{max(power - last, 0)}e}".split("e")

@@ -13,9 +13,11 @@ from jaxtyping import Float, Int
 from orbident.data_table import DataTable, Interval, Numeric, TableRow, table_of
 from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.quantities import (
+    BaseSet,
     EstimatedSet,
     MassRoutes,
     most_different,
+    named,
     parameter_rows,
 )
 from orbident.estimation.result import Result
@@ -187,9 +189,14 @@ def _table(
 ) -> DataTable:
     which = range(len(found.names)) if shown is None else shown.tolist()
     far = np.abs(found.sigmas) > FAR
+    words = isinstance(found, BaseSet)
     rows = (
-        row._replace(marked=bool(far[k]))
-        for k, row in zip(which, parameter_rows(found, which), strict=True)
+        TableRow(
+            (named(str(name), note) if words else name, *cells), note, bool(far[k])
+        )
+        for k, ((name, *cells), note, _) in zip(
+            which, parameter_rows(found, which), strict=True
+        )
     )
     before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
     head = (*before, known_as, *after)
