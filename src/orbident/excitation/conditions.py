@@ -1,6 +1,7 @@
 """What an exciting trajectory has to keep to: duration, ends, start and limits."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -58,6 +59,33 @@ class Limits:
     """On which S, the joints' origins and the tips of the last links stay."""
     impulse: float = INFINITE
     """Of all thrusters together, N s."""
+
+
+class BaseExtremes(NamedTuple):
+    """How far a motion goes at most; infinite where nothing can be proven."""
+
+    rate: float
+    """Norm of the base's angular velocity, rad/s."""
+    excursion: float
+    """Angle from the first attitude, rad."""
+    wheel_speed: float
+    """Speed of the fastest wheel, rad/s."""
+    table: TableSize | None
+    """The smallest table; None in space."""
+    impulse: float = 0.0
+    """Of all thrusters together, N s."""
+
+    def beside(self, limits: Limits) -> list[tuple[str, float, float]]:
+        """Each with the name of its limit before it, and the limit after it."""
+        # An excursion of pi is as far as there is.
+        turn = limits.excursion if limits.excursion < np.pi else INFINITE
+        return [
+            ("base rate", self.rate, limits.base_rate),
+            ("excursion", self.excursion, turn),
+            ("wheel speed", self.wheel_speed, limits.wheel_speed),
+            *zip(TABLE_SIZES, self.table or (), limits.table, strict=False),
+            ("impulse", self.impulse, limits.impulse),
+        ]
 
 
 def limits_of(

@@ -20,10 +20,10 @@ from orbident.excitation.scores import CriterionValues, information_of, scores_o
 from orbident.excitation.search import (
     Effort,
     Feasible,
+    JointSearch,
     Progress,
     Searched,
     SearchSpace,
-    search,
 )
 from orbident.excitation.thruster_pulses import design_pulses
 from orbident.files.json_parts import nulled
@@ -132,7 +132,8 @@ def design_excitation(
     given = conditions or conditions_for(robot, duration, harmonics)
     if not robot.joints:
         _check_pulses(robot, given, objective, uncertainty, len(beside) + 1)
-        return design_pulses(robot, given, starts, budget, seed, progress)
+        effort = Effort(starts or STARTS, budget, began=began)
+        return design_pulses(robot, given, effort, seed, progress)
     objective = objective or usual_objective(robot, given)
     if beside:
         _check_adds_up(objective)
@@ -151,7 +152,7 @@ def design_excitation(
         0 if starts else EVALUATIONS // len(spaces),
         began,
     )
-    searched = search(spaces, effort, seed, progress)
+    searched = JointSearch(effort, progress, spaces, seed).run()
     optima, random = (
         _judged(robot, given, objective, flown, found[:JUDGED])
         for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
