@@ -289,7 +289,7 @@ class Search:
         """Report, after so many starts and descents."""
         found, effort = self.searched, self.effort
         least = found.starts * effort.evaluations / max(found.evaluations, 1)
-        starts = max(effort.starts, found.starts, least)
+        starts = float(max(effort.starts, found.starts, least))
         fraction = (
             effort.used if effort.budget else done / (starts + self.later(starts))
         )
