@@ -77,7 +77,7 @@ class PulseSequence(NamedTuple):
             wheel_speed=float(np.abs(speeds).max(initial=0.0)),
             # A circle about the rectangle that holds what S passes over.
             table=TableSize(width, depth, float(np.hypot(width, depth)) / 2),
-            impulse=sum(each.force * (each.off - each.on) for each in self.pulses),
+            impulse=sum((x.force * (x.off - x.on) for x in self.pulses), 0.0),
         )
 
     def over(self, limits: Limits, brakes: Brakes | None = None) -> float:

@@ -99,6 +99,9 @@ def test_in_space_with_wheels(tmp_path: Path):
     assert bound_of(robot, motion).parameters.base.determined.all()
     with pytest.raises(InputError, match="flies in space"):
         designed(robot, table=TableSize(1.0, 1.0))
+    # They spin at 200 rad/s from the start.
+    with pytest.raises(InputError, match="none of 20 random sequences"):
+        designed(robot, duration=2.0, wheel_speed=100.0)
 
 
 @pytest.mark.parametrize(
