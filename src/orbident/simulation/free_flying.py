@@ -26,7 +26,6 @@ from orbident.simulation.flight import (
     FlyingState,
     FreeFlying,
     check_flight,
-    check_laws,
     integrate,
     vehicle_of,
 )
@@ -73,15 +72,13 @@ def free_flying(
         seed: of what is random of it.
 
     Raises:
-        InputError: the times do not increase, something has not the size of the robot,
-            a planar robot starts out of its plane, the mass matrix is singular, the
-            wheels are heavier than the base, a pulse cannot be flown, the environment
-            is not one of this robot, or no step is small enough.
+        InputError: a planar robot starts out of its plane, the mass matrix is singular,
+            the wheels are heavier than the base, a pulse cannot be flown, the
+            environment is not one of this robot, or no step is small enough.
     """
     environment = environment or Environment()
     pulses = (*pulses, *true_pulses(environment))
-    check_flight(robot, t, start, command, pulses)
-    check_laws(robot, joints, wheels, limits, t)
+    check_flight(robot, t, start, pulses)
     outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
     edges += [edge for edge in outside.edges if t[0] < edge < t[-1]]

@@ -24,13 +24,11 @@ from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion
 from orbident.simulation.sensor import (
     Reading,
-    read_angles,
     read_attitude,
     read_increments,
     read_inertial,
     read_position,
-    read_rates,
-    read_torques,
+    read_scalars,
     sensor_columns,
     stream,
 )
@@ -139,8 +137,7 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
         trajectory: of the joints, in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    q_rw = _integrated(motion.t, motion.qd_rw, at.qdd_rw)
-    return _truth(motion, q_rw, at.f_S, at.tau)
+    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at)
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -149,15 +146,13 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
     Args:
         flight: wheels turn on from wherever they were; their angles count from here.
     """
-    q_rw = flight.q_rw - flight.q_rw[0]
-    return _truth(flight, q_rw, flight.f_S, flight.tau)
+    return _truth(flight, flight.q_rw - flight.q_rw[0], flight)
 
 
 def _truth(
     motion: FreeFloating | FreeFlying,
     q_rw: Float[np.ndarray, "rows wheels"],
-    f_S: Float[np.ndarray, "rows 3"],
-    tau: Float[np.ndarray, "rows joints"],
+    at: Accelerations | FreeFlying,
 ) -> Truth:
     return Truth(
         q=motion.q,
@@ -165,11 +160,11 @@ def _truth(
         q_rw=q_rw,
         qd_rw=motion.qd_rw,
         gyro=motion.w,
-        accelerometer=f_S,
+        accelerometer=at.f_S,
         attitude=motion.attitude,
         position=motion.r_S,
         velocity=motion.v_S,
-        tau=tau,
+        tau=at.tau,
     )
 
 
@@ -284,7 +279,7 @@ def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
     torques, seen = robot.sensors.torques, true.shown_torques(robot)
     if torques is not None and seen is not None:
         for k, name in enumerate(robot.joint_names):
-            read = partial(read_torques, torques)
+            read = partial(read_scalars, torques.white_noise, 0.0)
             yield Channel(
                 "torques", torques, f"joint.{name}", ("torque",), seen[:, [k]], read
             )
@@ -301,10 +296,12 @@ def _encoder(
 ) -> Iterator[Channel]:
     # Joint positions are always there.
     if key == "joints" or sensor.white_noise is not None:
-        read = partial(read_angles, sensor)
+        noise = sensor.white_noise or 0.0, sensor.resolution or 0.0
+        read = partial(read_scalars, *noise)
         yield Channel(key, sensor, name, ("position",), q, read)
     if sensor.tachometer is not None:
-        yield Channel(key, sensor, name, (rate,), qd, partial(read_rates, sensor))
+        read = partial(read_scalars, sensor.tachometer, 0.0)
+        yield Channel(key, sensor, name, (rate,), qd, read)
 
 
 def _of_base(sensors: SensorsSpec, true: Truth) -> Iterator[Channel]:

@@ -24,11 +24,9 @@ from orbident.robot.sensor_schema import (
     AccelerometerSpec,
     AttitudeSpec,
     Coloured,
-    EncoderSpec,
     InertialSpec,
     PositionSpec,
     Sampled,
-    TorqueSpec,
     TrackerSpec,
 )
 
@@ -50,10 +48,6 @@ def stream(seed: int, name: str) -> np.random.Generator:
         raise InputError(f"seed {seed!r}: give a whole number of zero or more")
     children = np.random.SeedSequence(int(seed), spawn_key=tuple(name.encode()))
     return np.random.default_rng(children)
-
-
-MARKOV_PEAK_AT = 1.8926
-"""The averaging time of that peak, over the correlation time."""
 
 
 def gaussian(
@@ -307,41 +301,21 @@ def velocity_increments(
     return np.concatenate([np.full((1, 3), np.nan), change])
 
 
-def read_angles(
-    sensor: EncoderSpec,
+def read_scalars(
+    std: float,
+    resolution: float,
     true: Float[np.ndarray, "n axes"],
     dt: float,
     random: np.random.Generator,
 ) -> Float[np.ndarray, "n axes"]:
-    """What encoders show, rad or m; those of wheels count over full turns.
+    """What encoders, tachometers and torque sensors show, in the unit of `true`.
 
-    `shown = resolution round((true + n) / resolution)`, with white `n`.
+    `shown = resolution round((true + n) / resolution)`, with white `n`. Encoders of
+    wheels count over full turns; tachometers and torque sensors have no resolution.
+    The paper has none of these two (Section 3.5).
     """
     del dt
-    noisy = true + gaussian(random, true.shape, sensor.white_noise or 0.0)
-    return quantised(noisy, sensor.resolution or 0.0)
-
-
-def read_rates(
-    sensor: EncoderSpec,
-    true: Float[np.ndarray, "n axes"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n axes"]:
-    """What tachometers show, rad/s or m/s. The paper has none (Section 3.5)."""
-    del dt
-    return true + gaussian(random, true.shape, sensor.tachometer or 0.0)
-
-
-def read_torques(
-    sensor: TorqueSpec,
-    true: Float[np.ndarray, "n axes"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n axes"]:
-    """What torque sensors show, N m or N."""
-    del dt
-    return true + gaussian(random, true.shape, sensor.white_noise)
+    return quantised(true + gaussian(random, true.shape, std), resolution)
 
 
 def read_attitude(
