@@ -22,7 +22,6 @@ from orbident.excitation.search import (
     Feasible,
     JointSearch,
     Progress,
-    Searched,
     SearchSpace,
 )
 from orbident.excitation.thruster_pulses import design_pulses
@@ -153,12 +152,15 @@ def design_excitation(
         began,
     )
     searched = JointSearch(effort, progress, spaces, seed).run()
+    drawn = sorted(searched.random, key=lambda found: found.value)
     optima, random = (
         _judged(robot, given, objective, flown, found[:JUDGED])
-        for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
+        for found in (searched.optima, drawn)
     )
     by_chance = min(random, key=lambda each: each.value)
     best = min([*optima, by_chance], key=lambda each: each.value)
+    scores = best.scores._asdict()
+    del scores["deviations"]
     made = {
         "objective": objective,
         "value": nulled(best.value),
@@ -168,8 +170,11 @@ def design_excitation(
         "price_of_random_start": by_chance.scores.price,
         "uncertainty": uncertainty,
         "seed": seed,
-        **_effort(searched),
-        "scores": _scores(best.scores),
+        "starts": searched.starts,
+        "interrupted": searched.interrupted,
+        "evaluations": searched.evaluations,
+        "median_random_start": float(np.exp(np.median([x.value for x in drawn]))),
+        "scores": scores,
         **_margins(robot, given, best.proven),
     }
     return replace(best.proven.trajectory, design=made)
@@ -317,23 +322,6 @@ def _judged(
             )
         )
     return judged
-
-
-def _effort(searched: Searched) -> dict[str, Any]:
-    return {
-        "starts": searched.starts,
-        "interrupted": searched.interrupted,
-        "evaluations": searched.evaluations,
-        "median_random_start": float(
-            np.exp(np.median([found.value for found in searched.random]))
-        ),
-    }
-
-
-def _scores(scores: CriterionValues) -> dict[str, Any]:
-    found = scores._asdict()
-    del found["deviations"]
-    return found
 
 
 def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:

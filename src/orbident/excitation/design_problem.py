@@ -198,7 +198,8 @@ class DesignProblem:
         """The logarithm, smooth and exact, and the gradient of the smooth one."""
         f = Gradient(motion)
         if self.sensing is None:
-            pi_of, axes = self.basis.pi_of, self._momentum_axes
+            pi_of, regressors = self.basis.pi_of, motion.craft.sets.regressors
+            axes = regressors.momentum_axes
             # Trapezoidal weights: as on a grid so fine that its ends do not count.
             weights = np.ones((len(motion.w), len(axes)))
             weights[[0, -1]] = np.sqrt(0.5)
@@ -215,10 +216,6 @@ class DesignProblem:
             value = log_criterion(self.objective, spectrum.l, p)
             information.add(f, left @ by_matrix(spectrum, value.by_l) @ left.T)
         return (value.smooth, value.exact), f
-
-    @property
-    def _momentum_axes(self) -> tuple[int, ...]:
-        return self.crafts[0].sets.regressors.momentum_axes
 
     def _pulled_back(
         self,

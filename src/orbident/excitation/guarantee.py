@@ -246,6 +246,12 @@ class Proven(NamedTuple):
     share: float
     """Share of the amplitude that was asked for."""
 
+    def broken(self, limits: Limits) -> str:
+        """Which limit the motion may exceed at some time; empty where it keeps all."""
+        return _broken_by_joints(self.joints, limits) or _broken_by_base(
+            self.base, limits
+        )
+
 
 def proven_within(
     robot: Robot,
@@ -291,34 +297,19 @@ def proven_within(
     raise InputError(f"limits: {broken}; raise the limit, or give more time")
 
 
-def smallest_table(
-    robot: Robot, trajectory: Trajectory, motion: FreeFloating
-) -> TableSize | None:
-    """The smallest table that holds a motion.
+def proven(robot: Robot, trajectory: Trajectory) -> Proven:
+    """What is proven of a motion, whatever its limits.
 
     Args:
         robot: with its nominal inertia.
         trajectory: for this robot, rows in its order.
-        motion: `floated` along it.
 
-    Returns:
-        None in space, and infinite where nothing can be proven.
+    Raises:
+        InputError: as of `floated`.
     """
-    return base_extremes_of(robot, motion, extremes_of(trajectory)).table
-
-
-def broken_limit(robot: Robot, flown: Flown, limits: Limits) -> str:
-    """What limit a motion may exceed at some time; empty where it keeps to all.
-
-    Args:
-        robot: with its nominal inertia.
-        flown: a trajectory for this robot, and `floated` along it.
-        limits: of joints, base and table.
-    """
-    trajectory, motion = flown
-    joints = extremes_of(trajectory)
+    motion, joints = floated(robot, trajectory), extremes_of(trajectory)
     base = base_extremes_of(robot, motion, joints)
-    return _broken_by_joints(joints, limits) or _broken_by_base(base, limits)
+    return Proven(trajectory, motion, joints, base, 1.0)
 
 
 def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:

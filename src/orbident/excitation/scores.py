@@ -20,9 +20,7 @@ from orbident.excitation.criterion import (
 from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
 from orbident.excitation.guarantee import (
     Flown,
-    broken_limit,
-    floated,
-    smallest_table,
+    proven,
 )
 from orbident.excitation.information import (
     Information,
@@ -222,7 +220,8 @@ class Scorecard(NamedTuple):
     deviations: Float[np.ndarray, "trajectories parameters"]
     """Predicted standard deviations; NaN where not all is determined."""
     tables: tuple[TableSize | None, ...]
-    """As of `smallest_table`."""
+    """The smallest that holds each one's motions; None in space, and infinite where
+    nothing can be proven."""
     exceeded: tuple[tuple[str, ...], ...]
     """Which of each one's motions do not keep to a limit, in words."""
 
@@ -251,18 +250,14 @@ def compare_trajectories(
     names += [f"phi_{i + 1}" for i in range(phi.size)]
     scores, deviations, tables, exceeded = [], [], [], []
     for trajectories in experiments:
-        ordered = [each.for_robot(robot) for each in trajectories]
-        flown = [(each, floated(robot, each)) for each in ordered]
-        score = scores_of(robot, flown, basis)
-        needed = [smallest_table(robot, *each) for each in flown]
-        sides = np.array([each for each in needed if each])
+        found = [proven(robot, each.for_robot(robot)) for each in trajectories]
+        score = scores_of(robot, [(x.trajectory, x.motion) for x in found], basis)
+        sides = np.array([each.base.table for each in found if each.base.table])
         tables.append(TableSize(*sides.max(axis=0).tolist()) if sides.size else None)
-        broken = [limits and broken_limit(robot, each, limits) for each in flown]
+        broken = [(each, each.broken(limits)) for each in found] if limits else []
         exceeded.append(
             tuple(
-                f"{each.source}: {words}"
-                for each, words in zip(ordered, broken, strict=True)
-                if words
+                f"{each.trajectory.source}: {words}" for each, words in broken if words
             )
         )
         scores.append(score)
