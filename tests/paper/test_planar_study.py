@@ -20,8 +20,7 @@ from orbident.studies.planar import (
     planar_trajectory,
     validation_command,
 )
-from orbident.studies.planar_run import write_figures
-from orbident.studies.run_planar import PlanarStudy, run_planar
+from orbident.studies.run_planar import PlanarStudy, run_planar, write_figures
 
 ROBOT = planar_robot()
 TRAJECTORY = planar_trajectory(ROBOT)
