@@ -33,7 +33,6 @@ from orbident.simulation.sensor import (
     stream,
 )
 from orbident.threads import processors
-from orbident.trajectories.trajectory import Trajectory
 
 
 class Accelerations(NamedTuple):
@@ -180,37 +179,6 @@ def _integrated(
     return np.concatenate([np.zeros_like(speed[:1]), np.cumsum(steps, axis=0)])
 
 
-def measure(
-    robot: Robot,
-    motion: FreeFloating,
-    trajectory: JointMotion,
-    seed: int = 0,
-    truth: bool = False,
-) -> Recording:
-    """Record a free-floating motion with the sensors of the robot's file.
-
-    A sensor that the file does not declare has no columns, but joint positions are
-    always there, exact where there are no encoders. Rates of joints and speeds of
-    wheels are there where the file declares a tachometer. Every sensor draws from a
-    stream of its own, so that none changes another's noise.
-
-    Args:
-        robot: with its nominal inertia and its sensors.
-        motion: the free-floating motion, at evenly spaced times: the rows.
-        trajectory: of the joints, that the motion was made with.
-        seed: of all random numbers.
-        truth: whether to add the noise-free `truth.*` columns.
-
-    Raises:
-        InputError: a sensor's parameters are not usable, its rate does not fit the
-            rows, the rows are not evenly spaced, or the seed is no whole number.
-    """
-    if isinstance(trajectory, Trajectory):
-        trajectory = trajectory.for_robot(robot)
-    true = truth_of(robot, motion, trajectory)
-    return measure_truth(robot, motion.t, true, seed, truth)
-
-
 def measure_truth(
     robot: Robot,
     t: Float[np.ndarray, " rows"],
@@ -218,7 +186,12 @@ def measure_truth(
     seed: int = 0,
     truth: bool = False,
 ) -> Recording:
-    """Record what is true of any motion, as `measure` does.
+    """Record a motion with the sensors of the robot's file.
+
+    A sensor that the file does not declare has no columns, but joint positions are
+    always there, exact where there are no encoders. Rates of joints and speeds of
+    wheels are there where the file declares a tachometer. Every sensor draws from a
+    stream of its own, so that none changes another's noise.
 
     Args:
         robot: with its sensors.
@@ -228,7 +201,8 @@ def measure_truth(
         truth: whether to add the noise-free `truth.*` columns.
 
     Raises:
-        InputError: as `measure`.
+        InputError: a sensor's parameters are not usable, its rate does not fit the
+            rows, the rows are not evenly spaced, or the seed is no whole number.
     """
     columns = {}
     if robot.sensors.joints is None:

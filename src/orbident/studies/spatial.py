@@ -35,9 +35,7 @@ from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.robot.sensor_schema import SensorsSpec
-from orbident.simulation.free_floating import FreeFloating
-from orbident.simulation.measure import measure
+from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import float_along, motion_recording, simulate
 from orbident.studies import paper_tables
 from orbident.studies.paper_method import (
@@ -165,21 +163,6 @@ def _planar(robot: Robot) -> _Case:
     return spinning, columns, paper_tables.PLANAR_CONDITION
 
 
-def sensors_alone(sensors: SensorsSpec, noisy: str) -> SensorsSpec:
-    """Sensors of which only one is noisy; the others are ideal.
-
-    Args:
-        sensors: of a robot.
-        noisy: the sensor that keeps its noise.
-    """
-    others = {
-        name: sensor.ideal()
-        for name, sensor in sensors.declared.items()
-        if name != noisy
-    }
-    return sensors.model_copy(update=others)
-
-
 EXACT = 1e-9
 """Relative error below which a noise-free parameter counts as recovered,"""
 
@@ -261,7 +244,8 @@ def run_spatial(
     motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
     table = PaperParameters.of(robot, spatial_columns)
     filters = Filters()
-    noisy = _NoisyMotion(robot, trajectory, motion, table, filters, method)
+    true = truth_of(robot, motion, trajectory)
+    noisy = _NoisyMotion(robot, trajectory, motion.t, true, table, filters, method)
     bound, by_sensor = None, {}
     if noise == "none":
         recording = motion_recording(robot, motion)
@@ -344,17 +328,26 @@ class _NoisyMotion(NamedTuple):
 
     robot: Robot
     trajectory: Trajectory
-    motion: FreeFloating
+    t: Float[np.ndarray, " rows"]
+    true: Truth
     table: PaperParameters
     filters: Filters
     method: Literal["paper"] | Method
 
     def alone(self, sensor: str) -> "_NoisyMotion":
-        sensors = sensors_alone(self.robot.sensors, sensor)
-        return self._replace(robot=replace(self.robot, sensors=sensors))
+        """The same with the noise of one sensor; the others are ideal."""
+        sensors = self.robot.sensors
+        ideal = {
+            name: each.ideal()
+            for name, each in sensors.declared.items()
+            if name != sensor
+        }
+        return self._replace(
+            robot=replace(self.robot, sensors=sensors.model_copy(update=ideal))
+        )
 
     def run(self, seed: int) -> tuple[Recording, Result]:
-        recording = measure(self.robot, self.motion, self.trajectory, seed)
+        recording = measure_truth(self.robot, self.t, self.true, seed)
         if self.method != "paper":
             return recording, self.identified(recording)
         initial = self.trajectory.initial
