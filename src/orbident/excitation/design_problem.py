@@ -314,7 +314,6 @@ def problem_for(
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
     """
-    assert given.harmonics is not None
     sets = minimal_sets(robot)
     at_rest = was_at_rest(robot, given.initial, given.start)
     return DesignProblem(
@@ -323,13 +322,9 @@ def problem_for(
             for each in plausible_robots(robot, uncertainty)
         ),
         motions=joint_motions(
-            given.start,
-            given.end,
-            given.duration,
-            given.harmonics,
-            given.limits,
-            2 * steps_for(robot, given, objective) + 1,
+            given,
             coupled_joints(robot),
+            nodes=2 * steps_for(robot, given, objective) + 1,
         ),
         limits=given.limits,
         objective=objective,

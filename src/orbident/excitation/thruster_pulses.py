@@ -23,7 +23,7 @@ from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven, Pulse
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.threads import one_blas_thread
@@ -145,8 +145,10 @@ class PulseSearch(Search):
         drawn = _sequence(robot, given, self.brakes, self.random)
         if drawn.pulses and drawn.over(given.limits) <= 0:
             motion = _trajectory(robot, given, drawn.pulses)
-            found = FeasiblePulses(motion, _deviation(robot, motion), drawn.extremes())
-            searched.random.append(found)
+            base, value = bound_of(robot, motion).parameters.base, np.inf
+            if base.determined.all():
+                value = float(np.log(np.diag(base.covariance)).mean() / 2)
+            searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
             searched.starts += 1
         else:
             searched.refused += 1
@@ -222,7 +224,8 @@ def _sequence(
         best = np.inf, made, t
         for _ in range(DRAWS):
             drawn, end = _drawn(robot, given.duration, t, rate, random)
-            flight = _flown(robot, still, state, drawn, t, end)
+            times = np.linspace(t, end, SEEN)
+            flight = free_flying(robot, times, state, still, Driven(), pulses=drawn)
             longer = PulseSequence((*made.pulses, *drawn), (*made.flights, flight))
             paid = end / given.duration * given.limits.impulse
             over = longer.over(replace(given.limits, impulse=paid), brakes)
@@ -246,19 +249,6 @@ def _drawn(
     chosen = random.permutation(len(fired))[: random.integers(0, 3)]
     pulses = (Pulse(fired[k].name, t, end, fired[k].thrust or 0.0) for k in chosen)
     return tuple(pulses), end
-
-
-def _flown(
-    robot: Robot,
-    still: Trajectory,
-    state: FlyingState,
-    pulses: tuple[Pulse, ...],
-    t: float,
-    end: float,
-) -> FreeFlying:
-    """The motion of one draw, seen a few times."""
-    times = np.linspace(t, end, SEEN)
-    return free_flying(robot, times, state, still, Driven(), pulses=pulses)
 
 
 def _trajectory(
@@ -289,10 +279,3 @@ def _trajectory(
         given.initial,
         environment if thrusters else None,
     )
-
-
-def _deviation(robot: Robot, motion: Trajectory) -> float:
-    base = bound_of(robot, motion).parameters.base
-    if not base.determined.all():
-        return np.inf
-    return float(np.log(np.diag(base.covariance)).mean() / 2)

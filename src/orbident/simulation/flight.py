@@ -157,33 +157,34 @@ AT_S = (WrenchPoint(0, np.zeros(3)),)
 """The thrusters' net wrench: on the base, its force at S."""
 
 
-class Drive(NamedTuple):
-    """What moves a robot, besides its own state."""
+def commanded(
+    robot: Robot,
+    command: JointMotion,
+    laws: tuple[JointLaw, WheelLaw | None],
+    nodes: Float[np.ndarray, "steps 3"],
+    wrenches: Float[np.ndarray, "steps 3 wrenches 6"],
+) -> Float[np.ndarray, "steps 3 columns"]:
+    """What moves a robot besides its own state, as the core's `Command` has it.
 
-    command: JointMotion
-    joints: JointLaw
-    wheels: WheelLaw | None
-    wrenches: Callable[
-        [Float[np.ndarray, "steps 3"]], Float[np.ndarray, "steps 3 wrenches 6"]
-    ]
-    """Force and moment of each wrench at the nodes of some steps, base axes."""
-
-    def at(
-        self, robot: Robot, nodes: Float[np.ndarray, "steps 3"]
-    ) -> Float[np.ndarray, "steps 3 columns"]:
-        """A row for each node, as the core's `Command` has it."""
-        t = nodes.ravel()
-        base = np.zeros((t.size, 10))
-        if isinstance(self.joints, ComputedTorque):
-            base = np.hstack(self.joints.base.at(t))
-        columns = (
-            *self.command.at(t),
-            _open_loop(self.joints, t, len(robot.joints)),
-            _open_loop(self.wheels, t, len(robot.wheels)),
-            base,
-            self.wrenches(nodes).reshape(t.size, -1),
-        )
-        return np.hstack(columns).reshape(*nodes.shape, -1)
+    Args:
+        robot: that flies.
+        command: what the joints are told to do.
+        laws: of the joints and of the wheels.
+        nodes: start, middle and end of some steps, s.
+        wrenches: force and moment of each at the nodes, base axes, N and N m.
+    """
+    t, (joints, wheels) = nodes.ravel(), laws
+    base = np.zeros((t.size, 10))
+    if isinstance(joints, ComputedTorque):
+        base = np.hstack(joints.base.at(t))
+    columns = (
+        *command.at(t),
+        _open_loop(joints, t, len(robot.joints)),
+        _open_loop(wheels, t, len(robot.wheels)),
+        base,
+        wrenches.reshape(t.size, -1),
+    )
+    return np.hstack(columns).reshape(*nodes.shape, -1)
 
 
 class FlightStates(NamedTuple):

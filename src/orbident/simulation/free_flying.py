@@ -1,7 +1,6 @@
 """Free-flying motion: thrusters, wheels and joint torques move the robot (Eq. 13)."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +20,11 @@ from orbident.simulation.control_laws import (
 )
 from orbident.simulation.flight import (
     AT_S,
-    Drive,
     FlightStates,
     FlyingState,
     FreeFlying,
     check_flight,
+    commanded,
     integrate,
     vehicle_of,
 )
@@ -97,14 +96,13 @@ def free_flying(
         wanted[parts * np.searchsorted(breaks, t)] = True
 
         def fly(wrenches: Wrenches) -> FlightStates:
-            def both(some: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
+            def at(some: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
                 net = np.tile(thrust_at(some)[:, None, None], (1, 3, 1, 1))
-                return np.concatenate([net, wrenches(some)], axis=2)
+                both = np.concatenate([net, wrenches(some)], axis=2)
+                return commanded(robot, command, (joints, wheels), some, both)
 
-            drive = Drive(command, joints, wheels, both)
             # What acts depends on the motion everywhere.
             shown = wanted if not outside.points else np.ones_like(wanted)
-            at = partial(drive.at, robot)
             return integrate(vehicle, at_start, nodes, at, shown)
 
         seen, path = outside.settled(fly, nodes[:, 0], path, tolerance / 10)

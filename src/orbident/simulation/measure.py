@@ -19,7 +19,7 @@ from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.friction import NO_FRICTION
-from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
+from orbident.robot.sensor_schema import Sampled, SensorsSpec
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion
 from orbident.simulation.sensor import (
@@ -241,41 +241,30 @@ class Channel(NamedTuple):
 
 
 def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
-    joints, wheels = robot.sensors.joints, robot.sensors.wheels
-    if joints is not None:
-        for k, name in enumerate(robot.joint_names):
-            pair = true.q[:, [k]], true.qd[:, [k]]
-            yield from _encoder("joints", joints, f"joint.{name}", "velocity", *pair)
-    if wheels is not None:
-        for k, name in enumerate(robot.wheel_names):
-            pair = true.q_rw[:, [k]], true.qd_rw[:, [k]]
-            yield from _encoder("wheels", wheels, f"wheel.{name}", "speed", *pair)
-    torques, seen = robot.sensors.torques, true.shown_torques(robot)
+    sensors, names = robot.sensors, robot.joint_names
+    for key, encoder, owners, what, q, qd in (
+        ("joints", sensors.joints, names, "velocity", true.q, true.qd),
+        ("wheels", sensors.wheels, robot.wheel_names, "speed", true.q_rw, true.qd_rw),
+    ):
+        if encoder is None:
+            continue
+        for k, owner in enumerate(owners):
+            name = f"{key.removesuffix('s')}.{owner}"
+            # Joint positions are always there.
+            if key == "joints" or encoder.white_noise is not None:
+                noise = encoder.white_noise or 0.0, encoder.resolution or 0.0
+                read = partial(read_scalars, *noise)
+                yield Channel(key, encoder, name, ("position",), q[:, [k]], read)
+            if encoder.tachometer is not None:
+                read = partial(read_scalars, encoder.tachometer, 0.0)
+                yield Channel(key, encoder, name, (what,), qd[:, [k]], read)
+    torques, seen = sensors.torques, true.shown_torques(robot)
     if torques is not None and seen is not None:
-        for k, name in enumerate(robot.joint_names):
-            read = partial(read_scalars, torques.white_noise, 0.0)
-            yield Channel(
-                "torques", torques, f"joint.{name}", ("torque",), seen[:, [k]], read
-            )
-    yield from _of_base(robot.sensors, true)
-
-
-def _encoder(
-    key: str,
-    sensor: EncoderSpec,
-    name: str,
-    rate: str,
-    q: Float[np.ndarray, "rows 1"],
-    qd: Float[np.ndarray, "rows 1"],
-) -> Iterator[Channel]:
-    # Joint positions are always there.
-    if key == "joints" or sensor.white_noise is not None:
-        noise = sensor.white_noise or 0.0, sensor.resolution or 0.0
-        read = partial(read_scalars, *noise)
-        yield Channel(key, sensor, name, ("position",), q, read)
-    if sensor.tachometer is not None:
-        read = partial(read_scalars, sensor.tachometer, 0.0)
-        yield Channel(key, sensor, name, (rate,), qd, read)
+        read = partial(read_scalars, torques.white_noise, 0.0)
+        for k, name in enumerate(names):
+            joint = f"joint.{name}"
+            yield Channel("torques", torques, joint, ("torque",), seen[:, [k]], read)
+    yield from _of_base(sensors, true)
 
 
 def _of_base(sensors: SensorsSpec, true: Truth) -> Iterator[Channel]:
