@@ -246,7 +246,7 @@ class Searched:
 
 
 @dataclass(eq=False)
-class Search:
+class MotionSearch:
     """Motions of one kind, searched with an effort."""
 
     effort: Effort
@@ -299,7 +299,7 @@ class Search:
 
 
 @dataclass(eq=False)
-class JointSearch(Search):
+class JointSearch(MotionSearch):
     """Descents from many motions of the joints."""
 
     spaces: Sequence[SearchSpace]

@@ -15,7 +15,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
-from orbident.excitation.search import Effort, Progress, Search
+from orbident.excitation.search import Effort, MotionSearch, Progress
 from orbident.excitation.table_points import TableSize
 from orbident.files.json_parts import nulled
 from orbident.model.kinematics import inertia
@@ -131,7 +131,7 @@ class FeasiblePulses(NamedTuple):
 
 
 @dataclass(eq=False)
-class PulseSearch(Search):
+class PulseSearch(MotionSearch):
     """Random sequences of pulses, each as it is drawn."""
 
     robot: Robot

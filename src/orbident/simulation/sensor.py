@@ -188,9 +188,14 @@ def sensor_columns(
     noise, losses = random.spawn(2)
     stride, dt = _stride(sensor.rate, t)
     rows = slice(None, None, stride)
-    late = sensor.latency
-    true = _delayed(t, true, t[rows], late) if late else true[rows]
-    shown = read(true, dt, noise)
+    if late := sensor.latency:
+        if t.size < 4:
+            raise InputError(f"latency: needs at least 4 rows, found {t.size}")
+        # The values of so long ago; NaN where that is before the first row.
+        at_rows = CubicSpline(t, true, extrapolate=False)(t[rows] - late)
+    else:
+        at_rows = true[rows]
+    shown = read(at_rows, dt, noise)
     lost = losses.random((len(shown), 1)) < (sensor.drop_out or 0.0)
     columns = np.full((t.size, shown.shape[1]), np.nan)
     columns[rows] = np.where(lost, np.nan, shown)
@@ -215,18 +220,6 @@ def _stride(rate: float | None, t: Float[np.ndarray, " rows"]) -> tuple[int, flo
             "multiple of the sensor's rate"
         )
     return stride, stride * row
-
-
-def _delayed(
-    t: Float[np.ndarray, " rows"],
-    true: Float[np.ndarray, "rows axes"],
-    at: Float[np.ndarray, " n"],
-    latency: float,
-) -> Float[np.ndarray, "n axes"]:
-    """The values of so long ago; NaN where that is before the first row."""
-    if t.size < 4:
-        raise InputError(f"latency: needs at least 4 rows, found {t.size}")
-    return CubicSpline(t, true, extrapolate=False)(at - latency)
 
 
 NONE = (0.0, 0.0, 0.0)

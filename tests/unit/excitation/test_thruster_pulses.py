@@ -11,11 +11,10 @@ from orbident.estimation.identify import identify
 from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.design import design_excitation, design_recordings
-from orbident.excitation.sampled_trajectory import motion_table, sampled
 from orbident.excitation.table_points import TableSize
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.simulate import simulate
+from orbident.simulation.simulate import motion_table, sampled, simulate
 
 SENSORS = (
     "sensors:\n  position: {std: 0.3 mm, rate: 20}\n"
