@@ -21,7 +21,7 @@ from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure_truth, truth_of
 from orbident.simulation.simulate import float_along, sample_times
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "1"))
 CAPTURE = 40.0

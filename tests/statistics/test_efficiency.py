@@ -17,7 +17,7 @@ from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure_truth, truth_of
 from orbident.simulation.simulate import float_along
 from orbident.studies import paper_tables
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.threads import at_hand
 
 OFF = 0.2

@@ -35,7 +35,7 @@ from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import float_along, motion_recording, sample_times
 from orbident.studies import paper_tables
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
 
 

@@ -19,7 +19,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.tolerance_schema import TolerancesEntry
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment
 
 WRONG = 0.1

@@ -19,7 +19,6 @@ from orbident.identified.validate import SCORED, Validation, scored
 from orbident.model.kinematics import JointState
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.robot_file import load_robot
 from orbident.simulation.control_laws import (
     Hold,
     JointPD,
@@ -40,7 +39,7 @@ from orbident.studies.paper_method import (
     mass_by_slopes,
     paper_method,
 )
-from orbident.trajectories.trajectory import InitialState, Trajectory
+from orbident.trajectories.trajectory import Trajectory
 
 # The paper gives neither gains nor motors: what such a robot would have. The arm
 # follows Table 5 to 0.03 rad, and locked it gives way by 0.002 rad.
@@ -72,27 +71,6 @@ class Sines(NamedTuple):
         sines = np.sin(rate * t)[:, None] * self.amplitudes
         cosines = np.cos(rate * t)[:, None] * self.amplitudes
         return sines, rate * cosines, -(rate**2) * sines
-
-
-def planar_robot() -> Robot:
-    """The stand-in for Cepheus."""
-    return load_robot("cepheus-like")
-
-
-def planar_trajectory(robot: Robot) -> Trajectory:
-    """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
-    at_rest = np.zeros((len(robot.joints), 3))
-    speeds = dict.fromkeys(robot.wheel_names, paper_tables.PLANAR_WHEEL_SPEED)
-    return Trajectory(
-        duration=paper_tables.PLANAR_DURATION,
-        joints=robot.joint_names,
-        a=np.array(paper_tables.PLANAR_A),
-        b=np.array(paper_tables.PLANAR_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(wheel_speed=speeds),
-        source="Table 5",
-    )
 
 
 def validation_command() -> Sines:

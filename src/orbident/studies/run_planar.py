@@ -34,15 +34,13 @@ from orbident.studies.paper_method import (
     condition_in_basis,
     yaw_of,
 )
-from orbident.studies.paper_tables import PaperRow
+from orbident.studies.paper_tables import PaperRow, planar_robot, planar_trajectory
 from orbident.studies.planar import (
     PaperFilters,
     PlanarReading,
     PlanarRun,
     Records,
     fly_planar,
-    planar_robot,
-    planar_trajectory,
     run_ideal,
     run_noisy,
 )

@@ -34,7 +34,6 @@ from orbident.model.paper_bases import (
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.robot_file import load_robot
 from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import float_along, motion_recording, simulate
 from orbident.studies import paper_tables
@@ -45,40 +44,13 @@ from orbident.studies.paper_method import (
     from_imu,
     paper_method,
 )
-from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar import planar_trajectory
-from orbident.trajectories.trajectory import InitialState, Trajectory
-
-
-def spatial_robot() -> Robot:
-    """Table 1's servicer."""
-    return load_robot("paper-spatial")
-
-
-def spatial_trajectory(robot: Robot) -> Trajectory:
-    """Table 2's exciting trajectory with Table 3's initial conditions."""
-    at_rest = np.zeros((len(robot.joints), 3))
-    speeds = {
-        wheel.name: momentum / wheel.inertia
-        for wheel, momentum in zip(
-            robot.wheels, paper_tables.SPATIAL_WHEEL_MOMENTUM, strict=True
-        )
-    }
-    return Trajectory(
-        duration=paper_tables.SPATIAL_DURATION,
-        joints=robot.joint_names,
-        a=np.array(paper_tables.SPATIAL_A),
-        b=np.array(paper_tables.SPATIAL_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(
-            angular_velocity=np.array(paper_tables.SPATIAL_ANGULAR_VELOCITY),
-            attitude=np.array(paper_tables.SPATIAL_ATTITUDE),
-            wheel_speed=speeds,
-        ),
-        source="Table 2",
-    )
-
+from orbident.studies.paper_tables import (
+    PaperRow,
+    planar_trajectory,
+    spatial_robot,
+    spatial_trajectory,
+)
+from orbident.trajectories.trajectory import Trajectory
 
 LARGEST_ERROR = 1e-6
 """Relative. Without noise only rounding is left, some 1e-14."""

@@ -11,7 +11,7 @@ from orbident.excitation.scores import compare_trajectories
 from orbident.report.study_page import write_study_report
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.studies import run_table as table_study
-from orbident.studies.planar import planar_trajectory
+from orbident.studies.paper_tables import planar_trajectory
 from orbident.studies.run_table import FAR, TableStudy, run_table
 from orbident.studies.spatial import paper_case
 from orbident.trajectories.environment import Environment
