@@ -111,14 +111,11 @@ class DesignProblem:
     @property
     def limited(self) -> tuple[str, ...]:
         """The limits of the base that there are."""
-        finite = {
-            "base rate": self.limits.base_rate < np.inf,
-            "excursion": self.limits.excursion < np.pi,
-            "wheel speed": self.limits.wheel_speed < np.inf
-            and self.crafts[0].wheels.free.size > 0,
-            **{name: size < np.inf for name, size in self._table.items()},
-        }
-        return tuple(name for name, there in finite.items() if there)
+        most = {"excursion": np.pi}
+        if not self.crafts[0].wheels.free.size:
+            most["wheel speed"] = 0.0
+        limits = self.limits.by_name.items()
+        return tuple(name for name, size in limits if size < most.get(name, np.inf))
 
     def evaluate(self, y: Float[np.ndarray, "free m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
@@ -249,7 +246,7 @@ class DesignProblem:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
         if name in TABLE_SIZES:
-            size = self._table[name] * (1 - OFF_THE_EDGE)
+            size = self.limits.by_name[name] * (1 - OFF_THE_EDGE)
             most, by_uses = use_of_table(name, size, uses, LIMITS_POWER)
         else:
             most, by_uses = smooth_maximum(uses, LIMITS_POWER)
@@ -289,10 +286,6 @@ class DesignProblem:
         else:
             scale = 4 * np.sin(self.limits.excursion / 2) ** 2
             f.R -= by_use[:, :, None] * motion.R[0] / scale
-
-    @property
-    def _table(self) -> dict[str, float]:
-        return dict(zip(TABLE_SIZES, self.limits.table, strict=True))
 
 
 def problem_for(
