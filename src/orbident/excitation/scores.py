@@ -43,17 +43,6 @@ EVERY = 4
 """So many samples of a motion are one of its score."""
 
 
-class Bounds(NamedTuple):
-    """Standard deviations that the sensors allow (Cramer and Rao)."""
-
-    mass: float
-    """kg."""
-    pi: Float[np.ndarray, " pi"]
-    """kg m^2, automatic basis."""
-    phi: Float[np.ndarray, " phi"]
-    """m."""
-
-
 class CriterionValues(NamedTuple):
     """Every criterion; the smaller the better."""
 
@@ -73,7 +62,9 @@ class CriterionValues(NamedTuple):
     parameters grow, as a geometric mean; None where nothing may act."""
     price_of_tolerances: float | None
     """The same of what may be off about instruments; None where all are exact."""
-    deviations: Bounds | None
+    deviations: Float[np.ndarray, " parameters"] | None
+    """Standard deviations that the sensors allow (Cramer and Rao), of `M` (kg), `pi`
+    (kg m^2, automatic basis) and `phi` (m)."""
     drift: float | None
     """How far what may act moves a robot on its table in a recording, one standard
     deviation, m; None in space or where nothing may act."""
@@ -103,9 +94,13 @@ def scores_of(
     W = np.concatenate([W_hat(m, basis.phi_of, v) for m, _ in seen])
     sensing = sensing_of(robot, sets) if weights_of(robot.sensors) else None
     F = None if sensing is None else _sum(sensing, seen)
+    values: dict[Objective, float | None] = {"d": None, "a": None, "e": None}
     if F is not None:
         eigenvalues = np.linalg.eigvalsh(F)
         F = F if eigenvalues[0] > DETERMINED * eigenvalues[-1] else None
+    if F is not None:
+        l = spectrum_of(F).l
+        values |= {x: float(np.exp(log_criterion(x, l, 1.0).exact)) for x in values}
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
     price = of_tolerances = deviations = drift = None
@@ -115,7 +110,7 @@ def scores_of(
         beta, pi, phi = (
             _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
         )
-        deviations = Bounds(float(beta[0]), pi, phi)
+        deviations = np.concatenate([beta[:1], pi, phi])
         if sensing.acting:
             price = _growth(beta, replace(sensing, acting=False), seen)
         if sensing.errors:
@@ -125,7 +120,7 @@ def scores_of(
         cond_Y_normalised=_condition(Y / _norms(Y)),
         cond_W=_condition(W),
         cond_W_normalised=_condition(W / _norms(W)),
-        **{name: None if F is None else _value(name, F) for name in ("d", "a", "e")},
+        **values,
         price=price,
         price_of_tolerances=of_tolerances,
         deviations=deviations,
@@ -199,10 +194,6 @@ def _norms(rows: Float[np.ndarray, "m n"]) -> Float[np.ndarray, " n"]:
     return np.where(norms > 0, norms, 1.0)
 
 
-def _value(objective: Objective, F: Float[np.ndarray, "n n"]) -> float:
-    return float(np.exp(log_criterion(objective, spectrum_of(F).l, 1.0).exact))
-
-
 def _std(
     J: Float[np.ndarray, "some u"], F: Float[np.ndarray, "u u"]
 ) -> Float[np.ndarray, " some"]:
@@ -261,12 +252,8 @@ def compare_trajectories(
             )
         )
         scores.append(score)
-        std = score.deviations
-        deviations.append(
-            np.full(len(names), np.nan)
-            if std is None
-            else np.concatenate([[std.mass], std.pi, std.phi])
-        )
+        unknown = np.full(len(names), np.nan)
+        deviations.append(unknown if score.deviations is None else score.deviations)
     ends = [(*each[:1], *each[1:][-1:]) for each in experiments]
     return Scorecard(
         sources=tuple(" to ".join(motion.source for motion in each) for each in ends),
