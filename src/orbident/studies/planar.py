@@ -1,10 +1,7 @@
-"""Section 5: the planar two-joint robot, and what it was told to do.
+"""Section 5 for one seed: the planar two-joint robot flies, and is read in two ways.
 
-Free flights as recordings: what the sensors saw, and how the thrusters fired.
-
-Section 5, flown: spin-up, exciting trajectory, burn and validation.
-
-Section 5 for one seed: three recordings, two ways to read them, one burn.
+It flies spin-up, exciting trajectory, burn and validation. Recordings are what the
+sensors saw, and how the thrusters fired.
 """
 
 from typing import NamedTuple

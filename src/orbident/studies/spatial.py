@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import ONE_RUN, Errors, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
 from orbident.choices import StudyNoise
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import EstimatedParameters
@@ -218,13 +218,14 @@ def run_spatial(
     filters = Filters()
     true = truth_of(robot, motion, trajectory)
     noisy = _NoisyMotion(robot, trajectory, motion.t, true, table, filters, method)
-    bound, by_sensor = None, {}
+    by_sensor, over = {}, np.full((3, table.true.size), np.nan)
     if noise == "none":
         recording = motion_recording(robot, motion)
-        result, errors = noisy.identified(recording), None
+        result = noisy.identified(recording)
+        runs, rejected = ONE_RUN, result.status == "rejected"
     else:
         first = recording, result = noisy.run(runs.first)
-        bound = bound_of(robot, trajectory).parameters
+        least = _bounds(table, bound_of(robot, trajectory).parameters)
         sensors = list(robot.sensors.declared) if method == "paper" else []
         some = runs.numbers[:SEEDS_BY_SENSOR]
         errors, *parts = runs.over(
@@ -232,8 +233,10 @@ def run_spatial(
             *(Series(noisy.alone(each).run, some, noisy.errors_of) for each in sensors),
         )
         by_sensor = {s: part.rms for s, part in zip(sensors, parts, strict=True)}
+        over = np.stack([errors.rms, errors.worst, least])
+        rejected = np.isnan(errors.runs).any(axis=1).sum()
     return SpatialStudy(
-        rows=_rows(table, result, errors, bound),
+        rows=_rows(table, result, over, noise == "paper"),
         by_sensor=by_sensor,
         cut_offs=filters.cut_offs,
         condition_number=condition_in_basis(table.basis, result),
@@ -242,12 +245,8 @@ def run_spatial(
         trajectory=trajectory,
         recording=recording,
         result=result,
-        seeds=runs.seeds if errors is not None else 1,
-        rejected=int(
-            result.status == "rejected"
-            if errors is None
-            else np.isnan(errors.runs).any(axis=1).sum()
-        ),
+        seeds=runs.seeds,
+        rejected=int(rejected),
         elapsed_s=time.perf_counter() - started,
     )
 
@@ -266,31 +265,20 @@ def _bounds(
 def _rows(
     table: PaperParameters,
     result: Result,
-    errors: Errors | None,
-    bound: EstimatedParameters | None,
+    over: Float[np.ndarray, "3 parameters"],
+    noisy: bool,
 ) -> tuple[PaperRow, ...]:
+    """Table 4; `over` the seeds RMS and worst error, and the least RMS that can be."""
     # The paper prints no true value of M; Table 1's masses add up to it.
     printed = {
         **paper_tables.SPATIAL_TRUE,
         "M": (None, None, paper_tables.SPATIAL_MASS_ERROR),
     }
-    unknown = np.full(table.true.size, np.nan)
-    rms = unknown if errors is None else errors.rms
-    worst = unknown if errors is None else errors.worst
-    least = unknown if bound is None else _bounds(table, bound)
+    columns = table.true, table.found(result), *over
     return tuple(
-        PaperRow(
-            name=name,
-            paper_true=paper_true,
-            paper_error_percent=exact if errors is None else noisy,
-            true=float(true),
-            estimate=float(found),
-            rms_error_percent=float(rms[k]),
-            worst_error_percent=float(worst[k]),
-            cramer_rao_percent=float(least[k]),
-        )
-        for k, ((name, (paper_true, exact, noisy)), true, found) in enumerate(
-            zip(printed.items(), table.true, table.found(result), strict=True)
+        PaperRow(name, true, with_noise if noisy else exact, *map(float, numbers))
+        for (name, (true, exact, with_noise)), *numbers in zip(
+            printed.items(), *columns, strict=True
         )
     )
 
