@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
@@ -92,7 +92,7 @@ class Tracked(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ControlStudy:
+class ControlStudy(StudyRuns):
     """How well the same task was tracked with either model."""
 
     errors: Mapping[str, Tracked]
@@ -104,9 +104,6 @@ class ControlStudy:
     """The trajectory of the identification."""
     recording: Recording
     result: Result
-    seeds: int
-    rejected: int
-    elapsed_s: float
 
     @property
     def trusted(self) -> bool:
@@ -122,9 +119,7 @@ class ControlStudy:
             },
             "factor": nulled(self.factor),
             "cad_error": CAD_ERROR,
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.integrate import cumulative_trapezoid
 
-from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.result import Result
@@ -113,7 +113,7 @@ class PaperFigure(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PlanarStudy:
+class PlanarStudy(StudyRuns):
     """Table 6 and Figs. 6 to 13, and everything they were made from."""
 
     methods: Mapping[str, MethodResult]
@@ -130,10 +130,6 @@ class PlanarStudy:
     """Cut-offs of the filters of the paper's method, by signal; empty without noise."""
     noisy: bool
     """Whether the sensors had noise."""
-    seeds: int
-    rejected: int
-    """Seeds of which something could not be identified, weighed or predicted."""
-    elapsed_s: float
 
     @property
     def main(self) -> MethodResult:
@@ -170,9 +166,7 @@ class PlanarStudy:
                 }
                 for name, method in self.methods.items()
             },
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 

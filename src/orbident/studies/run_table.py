@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.output_error.estimator import OutputError
@@ -264,7 +264,7 @@ class Acted(NamedTuple):
 
 
 @dataclass(frozen=True)
-class TableStudy:
+class TableStudy(StudyRuns):
     """What a real table does to the paper's motion and method, and to ours."""
 
     methods: Mapping[str, tuple[MethodParameter, ...]]
@@ -282,10 +282,6 @@ class TableStudy:
     """Maximum likelihood's result of it."""
     cut_offs: Mapping[str, CutOff]
     """Cut-offs of the filters of the paper's method, by signal."""
-    seeds: int
-    rejected: int
-    """Seeds of which a result of maximum likelihood was refused."""
-    elapsed_s: float
 
     @property
     def trusted(self) -> bool:
@@ -302,9 +298,7 @@ class TableStudy:
             },
             "acted": [each._asdict() for each in self.acted],
             "paper_refused": self.refused or None,
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 

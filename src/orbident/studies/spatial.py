@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import EstimatedParameters
@@ -147,7 +147,7 @@ which takes fewer than its exact size."""
 
 
 @dataclass(frozen=True)
-class SpatialStudy:
+class SpatialStudy(StudyRuns):
     """Table 4 and everything it was made from."""
 
     rows: tuple[PaperRow, ...]
@@ -164,10 +164,6 @@ class SpatialStudy:
     """The recording of the first seed, as the sensors have it."""
     result: Result
     """The result of the first seed."""
-    seeds: int
-    rejected: int
-    """Seeds whose result was."""
-    elapsed_s: float
 
     @property
     def trusted(self) -> bool:
@@ -187,9 +183,7 @@ class SpatialStudy:
                 sensor: nulled(rms) for sensor, rms in self.by_sensor.items()
             },
             "condition_number": self.condition_number,
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 
