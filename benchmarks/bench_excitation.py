@@ -16,7 +16,7 @@ from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design import LIMIT_STEPS, design_excitation
 from orbident.excitation.design_problem import problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.search import Effort, SearchSpace, search
+from orbident.excitation.search import Effort, JointSearch, SearchSpace
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
@@ -113,7 +113,7 @@ def bench_against_finite_differences(benchmark, record, once, meets):
     slow = record("differences", cond=float(np.exp(found.fun)), calls=int(found.nfev))
     started = time.perf_counter()
     space = SearchSpace(problem, (polytope, polytope, polytope), middle)
-    ours = search([space], Effort(1, None), 0, lambda _: None)
+    ours = JointSearch(Effort(1, None), lambda _: None, [space], 0).run()
     fast = time.perf_counter() - started
     cond = float(np.exp(ours.optima[0].value))
     benchmark.extra_info.update(ours_seconds=fast, ours_cond=cond)

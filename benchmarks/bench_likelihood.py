@@ -12,7 +12,7 @@ from orbident.estimation.recursive.filter_input import filter_input_of
 from orbident.estimation.recursive.history import Detector
 from orbident.preprocessing.samples import samples_of
 from orbident.simulation.simulate import simulate
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 SECONDS = 0.15
 DUAL_ARM_SECONDS = 2.0

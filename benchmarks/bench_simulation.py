@@ -15,8 +15,12 @@ from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.simulate import sample_times
-from orbident.studies.paper_tables import SPATIAL_DURATION, SPATIAL_RATE
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import (
+    SPATIAL_DURATION,
+    SPATIAL_RATE,
+    spatial_robot,
+    spatial_trajectory,
+)
 
 FASTER = 10
 MOST_STEPS = 24

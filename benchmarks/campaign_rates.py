@@ -23,7 +23,7 @@ import numpy as np
 import pyarrow as pa
 
 from orbident.campaigns.folder import ROWS, opened, read_rows
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory_file import save_trajectory
 
 TENTHS = 10

@@ -25,7 +25,7 @@ from orbident.live.sources import needed_columns
 from orbident.recordings.columns import vector_columns
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import made_along
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
 
 LIVE, SENDER = 0, 1

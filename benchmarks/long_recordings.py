@@ -34,7 +34,7 @@ from orbident.robot.robot_file import write_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import made_along
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 MB = 1e6

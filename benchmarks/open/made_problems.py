@@ -28,8 +28,7 @@ from orbident.robot.parameters import (
 )
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
-from orbident.studies.planar import planar_trajectory
-from orbident.studies.spatial import spatial_trajectory
+from orbident.studies.paper_tables import planar_trajectory, spatial_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Hold
-from orbident.simulation.flight import Drive, WrenchPoint, integrate, vehicle_of
+from orbident.simulation.flight import WrenchPoint, commanded, integrate, vehicle_of
 from orbident.simulation.free_floating import integrate_attitude, rate_law, step_nodes
 from orbident.simulation.free_flying import free_flying
 
@@ -30,9 +30,11 @@ def flown(robot: Robot, points, wrenches):
         [t, np.append(t[:-1] + np.diff(t) / 2, END), np.append(t[1:], END)]
     )
     joints, command = waving(2, 6), Hold(np.zeros(6))
-    drive = Drive(
-        command, joints, None, lambda some: np.tile(wrenches, (len(some), 3, 1, 1))
-    )
+
+    def at(some):
+        constant = np.tile(wrenches, (len(some), 3, 1, 1))
+        return commanded(robot, command, (joints, None), some, constant)
+
     first = free_flying(robot, t[:1], moving_start(8, robot), command, joints)
     R_WB = quaternion_rotation(first.attitude[0])
     start = np.concatenate(
@@ -46,7 +48,7 @@ def flown(robot: Robot, points, wrenches):
         vehicle_of(robot, joints, None, None, points),
         start,
         nodes.T,
-        lambda some: drive.at(robot, some),
+        at,
         np.ones(STEPS + 1, dtype=bool),
     )
     weights = np.full(STEPS + 1, 2.0)

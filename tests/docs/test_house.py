@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 318,
-    "lines": 61_843,
+    "files": 315,
+    "lines": 61_505,
     "files of estimation": 50,
     "lines of estimation": 11_455,
-    "files with one user": 69,
+    "files with one user": 68,
     "imports below each other": 31,
     "numbers without a reason": 38,
 }

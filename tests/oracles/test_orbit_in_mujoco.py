@@ -29,7 +29,7 @@ from orbident.robot.sensor_schema import AttitudeSpec
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 

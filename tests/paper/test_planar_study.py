@@ -11,17 +11,15 @@ from orbident.campaigns.seeds import SeedRuns
 from orbident.errors import InputError
 from orbident.simulation.control_laws import thrust
 from orbident.studies import paper_tables
+from orbident.studies.paper_tables import planar_robot, planar_trajectory
 from orbident.studies.planar import (
     Flights,
     burn_pulses,
     fly_planar,
     measured_record,
-    planar_robot,
-    planar_trajectory,
     validation_command,
 )
-from orbident.studies.planar_run import write_figures
-from orbident.studies.run_planar import PlanarStudy, run_planar
+from orbident.studies.run_planar import PlanarStudy, run_planar, write_figures
 
 ROBOT = planar_robot()
 TRAJECTORY = planar_trajectory(ROBOT)

@@ -18,6 +18,7 @@ from orbident.excitation.design import (
 )
 from orbident.excitation.guarantee import NODES, floated, proven_within
 from orbident.excitation.joint_limits import inner_point, joint_motions, polytope_of
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import Trajectory
 
@@ -87,14 +88,8 @@ def test_no_motion_that_was_let_through_leaves_a_limit(recipe):
     """Random motions that touch their limits at the nodes, as the search's do."""
     robot = recipe.robot()
     conditions = recipe.conditions(robot)
-    motions = joint_motions(
-        conditions.start,
-        conditions.end,
-        conditions.duration,
-        conditions.harmonics,
-        conditions.limits,
-        FINER * max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * conditions.harmonics) + 1,
-    )
+    steps = FINER * max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * conditions.harmonics)
+    motions = joint_motions(conditions, coupled_joints(robot), steps + 1)
     polytope = polytope_of(motions, conditions.limits)
     try:
         middle = inner_point(

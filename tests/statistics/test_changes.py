@@ -19,9 +19,9 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
-from orbident.simulation.measure import measure, measure_truth
+from orbident.simulation.measure import measure_truth, truth_of
 from orbident.simulation.simulate import float_along, sample_times
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "1"))
 CAPTURE = 40.0
@@ -58,9 +58,10 @@ def test_nothing_is_found_where_nothing_happens(scene: Scene):
     """And `beta` is as wrong as its covariance says: a mean of one, and for the mean
     of n runs of 18 degrees of freedom a standard deviation of sqrt(2/18n)."""
     robot, motion = scene
+    true = truth_of(robot, motion, spatial_trajectory(robot))
     runs, errors = 4 * RUNS, []
     for seed in range(runs):
-        table = measure(robot, motion, spatial_trajectory(robot), seed)
+        table = measure_truth(robot, motion.t, true, seed)
         history = recursive_history(cad(robot, seed), samples_of(robot, table))
         assert history.changes == ()
         assert history.determined.all()

@@ -14,10 +14,10 @@ from orbident.estimation.identify import Method, identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
-from orbident.simulation.measure import measure
+from orbident.simulation.measure import measure_truth, truth_of
 from orbident.simulation.simulate import float_along
 from orbident.studies import paper_tables
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.threads import at_hand
 
 OFF = 0.2
@@ -63,7 +63,8 @@ def run(method: Method, seed: int) -> np.ndarray:
     robot = spatial_robot()
     sets, theta = minimal_sets(robot), robot.theta
     true, beta = np.concatenate([sets.pi(theta), sets.phi(theta)]), sets.beta(theta)
-    recording = measure(robot, flight(), spatial_trajectory(robot), seed)
+    true_motion = truth_of(robot, flight(), spatial_trajectory(robot))
+    recording = measure_truth(robot, flight().t, true_motion, seed)
     found = identify(off_by(robot, seed), recording, method)
     assert found.status == "ok"
     assert found.warnings == ()

@@ -9,7 +9,7 @@ from random_motions import random_motion
 
 import orbident as oi
 from orbident.robot.sensor_schema import declared_sensors
-from orbident.simulation.measure import measure
+from orbident.simulation.measure import measure_truth, truth_of
 from orbident.simulation.simulate import float_along
 
 RATE = 10.0
@@ -55,4 +55,5 @@ def clean_space(seed: int, duration: float = 80.0, **sensors: Any) -> Recorded:
         robot, seed=1, duration=duration, wheel_speed=100.0, start="turning"
     )
     motion = float_along(robot, trajectory, RATE)
-    return Recorded(robot, measure(robot, motion, trajectory, seed))
+    true = truth_of(robot, motion, trajectory.for_robot(robot))
+    return Recorded(robot, measure_truth(robot, motion.t, true, seed))

@@ -37,6 +37,22 @@ class Errors:
         return np.max(np.abs(self.runs), axis=0)
 
 
+@dataclass(frozen=True)
+class StudyRuns:
+    """How a study was made."""
+
+    seeds: int
+    rejected: int
+    """Seeds of which something was refused, or could not be found."""
+    elapsed_s: float
+
+    @property
+    def counts(self) -> dict[str, float]:
+        """As `study --json` gives them."""
+        names = "seeds", "rejected", "elapsed_s"
+        return {name: getattr(self, name) for name in names}
+
+
 class Series(NamedTuple):
     """One run a seed."""
 

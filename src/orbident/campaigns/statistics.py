@@ -1,6 +1,6 @@
 """What the runs of a campaign say of a method: errors, intervals, dependences."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -57,16 +57,15 @@ class MethodStatistics:
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Those that the results determine."""
-        return tuple(self._parameters())
-
-    def _parameters(self) -> Iterator[Parameter]:
+        found = []
         ends = (n for n in self.rows.schema.names if n.endswith(".value"))
         for name in (end.removesuffix(".value") for end in ends):
             error, std = self._errors(name)
             known = np.isfinite(error) & (std > 0)
             # A deviation of errors needs two of them.
             if np.count_nonzero(known) > 1:
-                yield Parameter(name, error[known], error[known] / std[known])
+                found.append(Parameter(name, error[known], error[known] / std[known]))
+        return tuple(found)
 
     def _errors(self, name: str) -> "tuple[np.ndarray, np.ndarray]":
         """The errors of a parameter, and the deviations that the results state."""

@@ -82,12 +82,12 @@ def inspect(
 def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> Any:
     """The bound, and the smallest table."""
     from orbident.excitation.bound import bound_of
-    from orbident.excitation.guarantee import floated, smallest_table
+    from orbident.excitation.guarantee import proven
 
     motion = oi.load_trajectory(trajectory).for_robot(robot)
     fires = motion.environment is not None and motion.environment.thrusters
     # What is proven of a floating motion does not hold where thrust acts.
-    table = None if fires else smallest_table(robot, motion, floated(robot, motion))
+    table = None if fires else proven(robot, motion).base.table
     return bound_of(robot, motion, initial_momentum), table
 
 

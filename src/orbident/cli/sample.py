@@ -35,13 +35,13 @@ def sample(
     force: Force = False,
 ) -> None:
     """Write a trajectory as samples, for a controller."""
-    from orbident.excitation.sampled_trajectory import (
+    from orbident.files.replacing import check_free
+    from orbident.recordings.tables import check_writable
+    from orbident.simulation.simulate import (
         motion_table,
         sampled,
         write_joint_trajectory,
     )
-    from orbident.files.replacing import check_free
-    from orbident.recordings.tables import check_writable
 
     if format_ == "table":
         check_writable(out)

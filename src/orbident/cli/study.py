@@ -202,7 +202,7 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
     if name != "planar":
         recordings = (done.recording,)
     else:
-        from orbident.studies.planar_run import write_figures
+        from orbident.studies.run_planar import write_figures
 
         recordings = done.recordings
         write_figures(done.figures, folder)

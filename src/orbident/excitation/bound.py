@@ -79,7 +79,12 @@ def bound_of(
             trajectory is not for the robot.
     """
     require_measured(robot, "the bound of a motion")
-    _check_noise(robot)
+    if not any(sensor.white_noise for sensor in robot.sensors.of_base.values()):
+        raise InputError(
+            f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
+            "or position, from which the least deviations are computed; add the noise "
+            "of the sensors to the robot file"
+        )
     sets = minimal_sets(robot)
     declared = robot.sensors
     motion, true, wrenches = _moved(robot, trajectory, declared.rows_per_second)
@@ -138,15 +143,6 @@ def _moved(
     flight = fly_along(robot, replace(trajectory, environment=alone), rate)
     pushes = Recording(flight.t, thrust_columns(alone, flight.t))
     return flight, truth_of_flight(flight), recorded_wrenches(robot, pushes, {})
-
-
-def _check_noise(robot: Robot) -> None:
-    if not any(sensor.white_noise for sensor in robot.sensors.of_base.values()):
-        raise InputError(
-            f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
-            "or position, from which the least deviations are computed; add the noise "
-            "of the sensors to the robot file"
-        )
 
 
 def _shares(motion: FreeFloating | FreeFlying, sensors: Sensors) -> tuple[float, ...]:

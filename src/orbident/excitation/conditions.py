@@ -1,6 +1,7 @@
 """What an exciting trajectory has to keep to: duration, ends, start and limits."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -59,6 +60,45 @@ class Limits:
     impulse: float = INFINITE
     """Of all thrusters together, N s."""
 
+    @property
+    def by_name(self) -> dict[str, float]:
+        """Those of the base and of the whole, by their names in messages."""
+        return {
+            "base rate": self.base_rate,
+            "excursion": self.excursion,
+            "wheel speed": self.wheel_speed,
+            "impulse": self.impulse,
+            **dict(zip(TABLE_SIZES, self.table, strict=True)),
+        }
+
+
+class BaseExtremes(NamedTuple):
+    """How far a motion goes at most; infinite where nothing can be proven."""
+
+    rate: float
+    """Norm of the base's angular velocity, rad/s."""
+    excursion: float
+    """Angle from the first attitude, rad."""
+    wheel_speed: float
+    """Speed of the fastest wheel, rad/s."""
+    table: TableSize | None
+    """The smallest table; None in space."""
+    impulse: float = 0.0
+    """Of all thrusters together, N s."""
+
+    def beside(self, limits: Limits) -> list[tuple[str, float, float]]:
+        """Each with the name of its limit before it, and the limit after it."""
+        found = self.rate, self.excursion, self.wheel_speed, self.impulse
+        # An excursion of pi is as far as there is.
+        turn = limits.excursion if limits.excursion < np.pi else INFINITE
+        names = limits.by_name | {"excursion": turn}
+        return [
+            (name, size, limit)
+            for size, (name, limit) in zip(
+                (*found, *(self.table or ())), names.items(), strict=False
+            )
+        ]
+
 
 def limits_of(
     robot: Robot,
@@ -105,25 +145,7 @@ def limits_of(
                 f"{joint.velocity}; give one in the URDF or under limits: in the "
                 "robot file"
             )
-    further = {
-        "acceleration": acceleration,
-        "base rate": base_rate,
-        "excursion": excursion,
-        "wheel speed": wheel_speed,
-        "impulse": impulse,
-        **dict(zip(TABLE_SIZES, table, strict=True)),
-    }
-    for name, value in further.items():
-        if not (SMALLEST <= value <= LARGEST or value == INFINITE):
-            raise InputError(
-                f"{name} limit: found {value:g}; give a number above zero, in SI units"
-                f", and at most {LARGEST:g}"
-            )
     free = (-INFINITE, INFINITE)
-    if robot.motion != "planar" and min(table) < INFINITE:
-        raise InputError(
-            f"{robot.name}: table limit: the robot flies in space; leave the limit out"
-        )
     limits = Limits(
         # With one stop, a turn from it is as far as a motion needs.
         position=np.reshape(
@@ -138,6 +160,16 @@ def limits_of(
         table=table,
         impulse=float(impulse),
     )
+    for name, value in {"acceleration": acceleration, **limits.by_name}.items():
+        if not (SMALLEST <= value <= LARGEST or value == INFINITE):
+            raise InputError(
+                f"{name} limit: found {value:g}; give a number above zero, in SI units"
+                f", and at most {LARGEST:g}"
+            )
+    if robot.motion != "planar" and min(table) < INFINITE:
+        raise InputError(
+            f"{robot.name}: table limit: the robot flies in space; leave the limit out"
+        )
     _narrow(robot, limits)
     return limits
 
@@ -222,7 +254,10 @@ def conditions_for(
     """
     limits = limits_of(robot) if limits is None else limits
     if like is None:
-        usual = _usual_ends(limits)
+        usual = np.zeros((len(robot.joints), 3))
+        lower, upper = limits.position.T
+        crowded = np.minimum(-lower, upper) < CROWDED * (upper - lower)
+        usual[crowded, 0] = limits.position[crowded].mean(axis=1)
         if robot.joints and min(limits.table) < INFINITE:
             usual[:, 0] = _folded(robot, limits)
         start = end = _following(robot, usual)
@@ -242,15 +277,6 @@ def _following(
     state = lead @ state[free]
     state[:, 0] += offset
     return state
-
-
-def _usual_ends(limits: Limits) -> Float[np.ndarray, "joints 3"]:
-    """Position, velocity and acceleration at either end."""
-    lower, upper = limits.position.T
-    ends = np.zeros((len(lower), 3))
-    crowded = np.minimum(-lower, upper) < CROWDED * (upper - lower)
-    ends[crowded, 0] = limits.position[crowded].mean(axis=1)
-    return ends
 
 
 def _folded(robot: Robot, limits: Limits) -> Float[np.ndarray, " joints"]:

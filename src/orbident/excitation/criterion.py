@@ -115,7 +115,7 @@ def Y_hat(
         axes: in which angular momentum is conserved.
         at_rest: all was at rest before the wheels spun up, so `Y_in = 0` (Eq. 26).
     """
-    RY = rotations(motion, axes) @ (motion.Y @ pi_of)
+    RY = block(motion.R, axes, axes) @ (motion.Y @ pi_of)
     RY = RY if at_rest else RY - RY[0]
     return RY.reshape(-1, RY.shape[-1])
 
@@ -125,14 +125,9 @@ def W_hat(
 ) -> Float[np.ndarray, "rows m"]:
     """`[W, R_0^T]` with the velocity of the CM eliminated (Eq. 31), inertial axes."""
     # R_0 [W, R_0^T] = [R_0 W, 1]: a constant is what the mean takes away.
-    RW = rotations(motion, axes) @ (motion.W @ phi_of)
+    RW = block(motion.R, axes, axes) @ (motion.W @ phi_of)
     RW = RW - RW.mean(axis=0)
     return RW.reshape(-1, RW.shape[-1])
-
-
-def rotations(motion: NodalMotion, axes: tuple[int, ...]) -> Float[np.ndarray, "n h h"]:
-    """`R_WB` of some axes."""
-    return block(motion.R, axes, axes)
 
 
 class EigenSpectrum(NamedTuple):
@@ -174,7 +169,7 @@ def add_Y_hat(
     by_RY = by_rows.reshape(len(f.motion.Y), len(axes), -1) @ pi_of.T
     if not at_rest:
         by_RY[0] -= by_RY.sum(axis=0)
-    R = rotations(f.motion, axes)
+    R = block(f.motion.R, axes, axes)
     f.Y += np.swapaxes(R, 1, 2) @ by_RY
     by_R = block(f.R, axes, axes)
     by_R += by_RY @ np.swapaxes(f.motion.Y, 1, 2)

@@ -20,10 +20,9 @@ from orbident.excitation.scores import CriterionValues, information_of, scores_o
 from orbident.excitation.search import (
     Effort,
     Feasible,
+    JointSearch,
     Progress,
-    Searched,
     SearchSpace,
-    search,
 )
 from orbident.excitation.thruster_pulses import design_pulses
 from orbident.files.json_parts import nulled
@@ -132,7 +131,8 @@ def design_excitation(
     given = conditions or conditions_for(robot, duration, harmonics)
     if not robot.joints:
         _check_pulses(robot, given, objective, uncertainty, len(beside) + 1)
-        return design_pulses(robot, given, starts, budget, seed, progress)
+        effort = Effort(starts or STARTS, budget, began=began)
+        return design_pulses(robot, given, effort, seed, progress)
     objective = objective or usual_objective(robot, given)
     if beside:
         _check_adds_up(objective)
@@ -151,13 +151,16 @@ def design_excitation(
         0 if starts else EVALUATIONS // len(spaces),
         began,
     )
-    searched = search(spaces, effort, seed, progress)
+    searched = JointSearch(effort, progress, spaces, seed).run()
+    drawn = sorted(searched.random, key=lambda found: found.value)
     optima, random = (
         _judged(robot, given, objective, flown, found[:JUDGED])
-        for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
+        for found in (searched.optima, drawn)
     )
     by_chance = min(random, key=lambda each: each.value)
     best = min([*optima, by_chance], key=lambda each: each.value)
+    scores = best.scores._asdict()
+    del scores["deviations"]
     made = {
         "objective": objective,
         "value": nulled(best.value),
@@ -167,8 +170,11 @@ def design_excitation(
         "price_of_random_start": by_chance.scores.price,
         "uncertainty": uncertainty,
         "seed": seed,
-        **_effort(searched),
-        "scores": _scores(best.scores),
+        "starts": searched.starts,
+        "interrupted": searched.interrupted,
+        "evaluations": searched.evaluations,
+        "median_random_start": float(np.exp(np.median([x.value for x in drawn]))),
+        "scores": scores,
         **_margins(robot, given, best.proven),
     }
     return replace(best.proven.trajectory, design=made)
@@ -316,23 +322,6 @@ def _judged(
             )
         )
     return judged
-
-
-def _effort(searched: Searched) -> dict[str, Any]:
-    return {
-        "starts": searched.starts,
-        "interrupted": searched.interrupted,
-        "evaluations": searched.evaluations,
-        "median_random_start": float(
-            np.exp(np.median([found.value for found in searched.random]))
-        ),
-    }
-
-
-def _scores(scores: CriterionValues) -> dict[str, Any]:
-    found = scores._asdict()
-    del found["deviations"]
-    return found
 
 
 def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:

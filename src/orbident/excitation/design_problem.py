@@ -111,14 +111,11 @@ class DesignProblem:
     @property
     def limited(self) -> tuple[str, ...]:
         """The limits of the base that there are."""
-        finite = {
-            "base rate": self.limits.base_rate < np.inf,
-            "excursion": self.limits.excursion < np.pi,
-            "wheel speed": self.limits.wheel_speed < np.inf
-            and self.crafts[0].wheels.free.size > 0,
-            **{name: size < np.inf for name, size in self._table.items()},
-        }
-        return tuple(name for name, there in finite.items() if there)
+        most = {"excursion": np.pi}
+        if not self.crafts[0].wheels.free.size:
+            most["wheel speed"] = 0.0
+        limits = self.limits.by_name.items()
+        return tuple(name for name, size in limits if size < most.get(name, np.inf))
 
     def evaluate(self, y: Float[np.ndarray, "free m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
@@ -198,7 +195,8 @@ class DesignProblem:
         """The logarithm, smooth and exact, and the gradient of the smooth one."""
         f = Gradient(motion)
         if self.sensing is None:
-            pi_of, axes = self.basis.pi_of, self._momentum_axes
+            pi_of, regressors = self.basis.pi_of, motion.craft.sets.regressors
+            axes = regressors.momentum_axes
             # Trapezoidal weights: as on a grid so fine that its ends do not count.
             weights = np.ones((len(motion.w), len(axes)))
             weights[[0, -1]] = np.sqrt(0.5)
@@ -215,10 +213,6 @@ class DesignProblem:
             value = log_criterion(self.objective, spectrum.l, p)
             information.add(f, left @ by_matrix(spectrum, value.by_l) @ left.T)
         return (value.smooth, value.exact), f
-
-    @property
-    def _momentum_axes(self) -> tuple[int, ...]:
-        return self.crafts[0].sets.regressors.momentum_axes
 
     def _pulled_back(
         self,
@@ -252,7 +246,7 @@ class DesignProblem:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
         if name in TABLE_SIZES:
-            size = self._table[name] * (1 - OFF_THE_EDGE)
+            size = self.limits.by_name[name] * (1 - OFF_THE_EDGE)
             most, by_uses = use_of_table(name, size, uses, LIMITS_POWER)
         else:
             most, by_uses = smooth_maximum(uses, LIMITS_POWER)
@@ -293,10 +287,6 @@ class DesignProblem:
             scale = 4 * np.sin(self.limits.excursion / 2) ** 2
             f.R -= by_use[:, :, None] * motion.R[0] / scale
 
-    @property
-    def _table(self) -> dict[str, float]:
-        return dict(zip(TABLE_SIZES, self.limits.table, strict=True))
-
 
 def problem_for(
     robot: Robot,
@@ -317,7 +307,6 @@ def problem_for(
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
     """
-    assert given.harmonics is not None
     sets = minimal_sets(robot)
     at_rest = was_at_rest(robot, given.initial, given.start)
     return DesignProblem(
@@ -326,13 +315,9 @@ def problem_for(
             for each in plausible_robots(robot, uncertainty)
         ),
         motions=joint_motions(
-            given.start,
-            given.end,
-            given.duration,
-            given.harmonics,
-            given.limits,
-            2 * steps_for(robot, given, objective) + 1,
+            given,
             coupled_joints(robot),
+            nodes=2 * steps_for(robot, given, objective) + 1,
         ),
         limits=given.limits,
         objective=objective,

@@ -1,7 +1,7 @@
 """The base's motion along joint motions that are tried, and gradients through it.
 
-The same motion as `dynamics.free_floating`, by RK4 on one grid of nodes and mid-nodes,
-and with the nominal or another plausible inertia.
+The same motion as `simulation.free_floating`, by RK4 on one grid of nodes and
+mid-nodes, and with the nominal or another plausible inertia.
 
 The state in which a manoeuvre starts: its momentum is what fixes the scale.
 """

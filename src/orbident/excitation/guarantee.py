@@ -37,14 +37,9 @@ from jaxtyping import Float
 
 from orbident.environment.motion import heavy_bodies
 from orbident.errors import InputError
-from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
-from orbident.excitation.table_points import (
-    TABLE_SIZES,
-    TableSize,
-    centre_of,
-    points_on_table,
-)
+from orbident.excitation.table_points import TableSize, centre_of, points_on_table
 from orbident.model.core_robot import wheels_of
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.rotor_momentum import rotors_of
@@ -80,19 +75,6 @@ class Extremes(NamedTuple):
     velocity: Float[np.ndarray, " joints"]
     """Largest magnitude."""
     acceleration: Float[np.ndarray, " joints"]
-
-
-class BaseExtremes(NamedTuple):
-    """Bounds for all times, never too small; infinite where nothing can be proven."""
-
-    rate: float
-    """Norm of the base's angular velocity, rad/s."""
-    excursion: float
-    """Angle from the first attitude, rad; at most pi."""
-    wheel_speed: float
-    """Speed of the fastest wheel, rad/s."""
-    table: TableSize | None
-    """The smallest table; None in space."""
 
 
 class _Carried(NamedTuple):
@@ -264,6 +246,12 @@ class Proven(NamedTuple):
     share: float
     """Share of the amplitude that was asked for."""
 
+    def broken(self, limits: Limits) -> str:
+        """Which limit the motion may exceed at some time; empty where it keeps all."""
+        return _broken_by_joints(self.joints, limits) or _broken_by_base(
+            self.base, limits
+        )
+
 
 def proven_within(
     robot: Robot,
@@ -309,34 +297,19 @@ def proven_within(
     raise InputError(f"limits: {broken}; raise the limit, or give more time")
 
 
-def smallest_table(
-    robot: Robot, trajectory: Trajectory, motion: FreeFloating
-) -> TableSize | None:
-    """The smallest table that holds a motion.
+def proven(robot: Robot, trajectory: Trajectory) -> Proven:
+    """What is proven of a motion, whatever its limits.
 
     Args:
         robot: with its nominal inertia.
         trajectory: for this robot, rows in its order.
-        motion: `floated` along it.
 
-    Returns:
-        None in space, and infinite where nothing can be proven.
+    Raises:
+        InputError: as of `floated`.
     """
-    return base_extremes_of(robot, motion, extremes_of(trajectory)).table
-
-
-def broken_limit(robot: Robot, flown: Flown, limits: Limits) -> str:
-    """What limit a motion may exceed at some time; empty where it keeps to all.
-
-    Args:
-        robot: with its nominal inertia.
-        flown: a trajectory for this robot, and `floated` along it.
-        limits: of joints, base and table.
-    """
-    trajectory, motion = flown
-    joints = extremes_of(trajectory)
+    motion, joints = floated(robot, trajectory), extremes_of(trajectory)
     base = base_extremes_of(robot, motion, joints)
-    return _broken_by_joints(joints, limits) or _broken_by_base(base, limits)
+    return Proven(trajectory, motion, joints, base, 1.0)
 
 
 def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
@@ -370,13 +343,7 @@ def _broken_by_joints(joints: Extremes, limits: Limits) -> str:
 
 
 def _broken_by_base(base: BaseExtremes, limits: Limits) -> str:
-    for name, found, limit in (
-        ("base rate", base.rate, limits.base_rate),
-        ("excursion", base.excursion, limits.excursion),
-        ("wheel speed", base.wheel_speed, limits.wheel_speed),
-        *zip(TABLE_SIZES, base.table or (), limits.table, strict=False),
-    ):
-        # An excursion of pi is as far as there is.
-        if found > limit and not (name == "excursion" and limit >= np.pi):
+    for name, found, limit in base.beside(limits):
+        if found > limit:
             return f"{name}: up to {found:.6g} is possible, the limit is {limit:g}"
     return ""

@@ -150,7 +150,9 @@ class SensedChanges:
         change.append(self.instruments.dh[:, h])
         self.h_std = np.full(len(h), np.inf)
         if at_rest:
-            self.h_std = _stillness(motion)[list(h)]
+            h_rw = motion.qd_rw @ motion.craft.wheels.A_rw.T
+            rms = float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1))))
+            self.h_std = rest_std(motion.craft.robot, rms)[list(h)]
         # What is known exactly is no unknown.
         if self.h_std.any():
             change.append(R_T)
@@ -362,13 +364,6 @@ def of_parameters(
     by_error = np.linalg.solve(F[u:, u:] + np.eye(len(F) - u), F[u:, :u])
     left = F[:u, :u] - F[:u, u:] @ by_error
     return OfParameters((left + left.T) / 2, np.vstack([np.eye(u), -by_error]))
-
-
-def _stillness(motion: NodalMotion) -> Float[np.ndarray, "3"]:
-    """Deviations of the momentum of a robot that was at rest, N m s."""
-    h_rw = motion.qd_rw @ motion.craft.wheels.A_rw.T
-    rms = float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1))))
-    return rest_std(motion.craft.robot, rms)
 
 
 def _add(

@@ -20,7 +20,7 @@ from scipy.linalg import block_diag
 from scipy.optimize import linprog
 
 from orbident.errors import InputError
-from orbident.excitation.conditions import Limits
+from orbident.excitation.conditions import Conditions, Limits
 from orbident.robot.couplings import CoupledJoints
 from orbident.trajectories.trajectory import FourierQuintic
 
@@ -95,31 +95,20 @@ class JointMotions(NamedTuple):
 
 
 def joint_motions(
-    start: Float[np.ndarray, "joints 3"],
-    end: Float[np.ndarray, "joints 3"],
-    duration: float,
-    harmonics: int,
-    limits: Limits,
-    nodes: int,
-    coupled: CoupledJoints | None = None,
+    given: Conditions, coupled: CoupledJoints, nodes: int
 ) -> JointMotions:
     """The motions between two states of the joints.
 
     Args:
-        start: position, velocity and acceleration of each joint at t = 0.
-        end: the same at the end.
-        duration: t_f, s.
-        harmonics: N_f.
-        limits: of the joints' rates.
+        given: the states, the duration, the number of harmonics, and limits of rates.
+        coupled: which joints follow others.
         nodes: so many times, evenly spaced from 0 to the duration.
-        coupled: which joints follow others; none where absent.
     """
-    if coupled is None:
-        joints = len(start)
-        coupled = CoupledJoints([*range(joints)], np.eye(joints), np.zeros(joints))
+    assert given.harmonics is not None
+    duration, harmonics = given.duration, given.harmonics
     t = np.linspace(0.0, duration, nodes)
-    none = np.zeros((len(start), harmonics))
-    offset = FourierQuintic(none, none, start, end, duration)
+    none = np.zeros((len(given.start), harmonics))
+    offset = FourierQuintic(none, none, given.start, given.end, duration)
     still = np.zeros((2 * harmonics, 3))
     a, b = np.hsplit(np.eye(2 * harmonics), 2)
     rates = FourierQuintic(a, b, still, still, duration).derivative(1, t)
@@ -127,7 +116,7 @@ def joint_motions(
     kept = s > NEGLIGIBLE * s[0]
     ab_of_y = Vt[kept].T / s[kept]
     empty = offset.at(t[:0])
-    scale = limits.velocity[coupled.free]
+    scale = given.limits.velocity[coupled.free]
     return JointMotions(t[:0], empty, empty, scale, coupled, ab_of_y, offset).resampled(
         nodes
     )

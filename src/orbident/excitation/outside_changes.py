@@ -125,7 +125,16 @@ class OutsideChanges:
         t = motion.dt * np.arange(len(motion.w))
         robot = motion.craft.robot
         self._scale = scale_of(robot, t, motion.qd_rw, motion.w, motion.v_S)
-        self._at = at = _robot_motion(motion, self._scale)
+        self._at = at = RobotMotion(
+            robot,
+            t,
+            motion.q,
+            motion.qd,
+            motion.R,
+            motion.w,
+            PointMotion(motion.r_S, motion.v_S),
+            allowed=what_may_act(robot, self._scale),
+        )
         allowed = {group: each for group, each in at.allowed.items() if each.size}
         groups = {*allowed} | {STEADY[group] for group in allowed.keys() & STEADY}
         shortest = tuple((name, each.shortest) for name, each in allowed.items())
@@ -253,20 +262,3 @@ def _add_scale_h(f: Gradient, by: float) -> None:
     by_speed = by * (motion.qd_rw @ wheels.A_rw.T) @ wheels.A_rw
     f.w -= (by_speed * wheels.free) @ wheels.axes.T
     f.w += by * (robot.mass * radius_of_gyration(robot) ** 2) ** 2 * motion.w
-
-
-def _robot_motion(motion: NodalMotion, scale: Scale) -> RobotMotion:
-    """The motion as what acts from outside knows it, with what may act on it."""
-    robot = motion.craft.robot
-    t = motion.dt * np.arange(len(motion.w))
-    S = PointMotion(motion.r_S, motion.v_S)
-    return RobotMotion(
-        robot,
-        t,
-        motion.q,
-        motion.qd,
-        motion.R,
-        motion.w,
-        S,
-        allowed=what_may_act(robot, scale),
-    )

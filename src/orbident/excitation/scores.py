@@ -20,9 +20,7 @@ from orbident.excitation.criterion import (
 from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
 from orbident.excitation.guarantee import (
     Flown,
-    broken_limit,
-    floated,
-    smallest_table,
+    proven,
 )
 from orbident.excitation.information import (
     Information,
@@ -45,17 +43,6 @@ EVERY = 4
 """So many samples of a motion are one of its score."""
 
 
-class Bounds(NamedTuple):
-    """Standard deviations that the sensors allow (Cramer and Rao)."""
-
-    mass: float
-    """kg."""
-    pi: Float[np.ndarray, " pi"]
-    """kg m^2, automatic basis."""
-    phi: Float[np.ndarray, " phi"]
-    """m."""
-
-
 class CriterionValues(NamedTuple):
     """Every criterion; the smaller the better."""
 
@@ -75,7 +62,9 @@ class CriterionValues(NamedTuple):
     parameters grow, as a geometric mean; None where nothing may act."""
     price_of_tolerances: float | None
     """The same of what may be off about instruments; None where all are exact."""
-    deviations: Bounds | None
+    deviations: Float[np.ndarray, " parameters"] | None
+    """Standard deviations that the sensors allow (Cramer and Rao), of `M` (kg), `pi`
+    (kg m^2, automatic basis) and `phi` (m)."""
     drift: float | None
     """How far what may act moves a robot on its table in a recording, one standard
     deviation, m; None in space or where nothing may act."""
@@ -105,9 +94,13 @@ def scores_of(
     W = np.concatenate([W_hat(m, basis.phi_of, v) for m, _ in seen])
     sensing = sensing_of(robot, sets) if weights_of(robot.sensors) else None
     F = None if sensing is None else _sum(sensing, seen)
+    values: dict[Objective, float | None] = {"d": None, "a": None, "e": None}
     if F is not None:
         eigenvalues = np.linalg.eigvalsh(F)
         F = F if eigenvalues[0] > DETERMINED * eigenvalues[-1] else None
+    if F is not None:
+        l = spectrum_of(F).l
+        values |= {x: float(np.exp(log_criterion(x, l, 1.0).exact)) for x in values}
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
     price = of_tolerances = deviations = drift = None
@@ -117,7 +110,7 @@ def scores_of(
         beta, pi, phi = (
             _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
         )
-        deviations = Bounds(float(beta[0]), pi, phi)
+        deviations = np.concatenate([beta[:1], pi, phi])
         if sensing.acting:
             price = _growth(beta, replace(sensing, acting=False), seen)
         if sensing.errors:
@@ -127,7 +120,7 @@ def scores_of(
         cond_Y_normalised=_condition(Y / _norms(Y)),
         cond_W=_condition(W),
         cond_W_normalised=_condition(W / _norms(W)),
-        **{name: None if F is None else _value(name, F) for name in ("d", "a", "e")},
+        **values,
         price=price,
         price_of_tolerances=of_tolerances,
         deviations=deviations,
@@ -201,10 +194,6 @@ def _norms(rows: Float[np.ndarray, "m n"]) -> Float[np.ndarray, " n"]:
     return np.where(norms > 0, norms, 1.0)
 
 
-def _value(objective: Objective, F: Float[np.ndarray, "n n"]) -> float:
-    return float(np.exp(log_criterion(objective, spectrum_of(F).l, 1.0).exact))
-
-
 def _std(
     J: Float[np.ndarray, "some u"], F: Float[np.ndarray, "u u"]
 ) -> Float[np.ndarray, " some"]:
@@ -222,7 +211,8 @@ class Scorecard(NamedTuple):
     deviations: Float[np.ndarray, "trajectories parameters"]
     """Predicted standard deviations; NaN where not all is determined."""
     tables: tuple[TableSize | None, ...]
-    """As of `smallest_table`."""
+    """The smallest that holds each one's motions; None in space, and infinite where
+    nothing can be proven."""
     exceeded: tuple[tuple[str, ...], ...]
     """Which of each one's motions do not keep to a limit, in words."""
 
@@ -251,27 +241,19 @@ def compare_trajectories(
     names += [f"phi_{i + 1}" for i in range(phi.size)]
     scores, deviations, tables, exceeded = [], [], [], []
     for trajectories in experiments:
-        ordered = [each.for_robot(robot) for each in trajectories]
-        flown = [(each, floated(robot, each)) for each in ordered]
-        score = scores_of(robot, flown, basis)
-        needed = [smallest_table(robot, *each) for each in flown]
-        sides = np.array([each for each in needed if each])
+        found = [proven(robot, each.for_robot(robot)) for each in trajectories]
+        score = scores_of(robot, [(x.trajectory, x.motion) for x in found], basis)
+        sides = np.array([each.base.table for each in found if each.base.table])
         tables.append(TableSize(*sides.max(axis=0).tolist()) if sides.size else None)
-        broken = [limits and broken_limit(robot, each, limits) for each in flown]
+        broken = [(each, each.broken(limits)) for each in found] if limits else []
         exceeded.append(
             tuple(
-                f"{each.source}: {words}"
-                for each, words in zip(ordered, broken, strict=True)
-                if words
+                f"{each.trajectory.source}: {words}" for each, words in broken if words
             )
         )
         scores.append(score)
-        std = score.deviations
-        deviations.append(
-            np.full(len(names), np.nan)
-            if std is None
-            else np.concatenate([[std.mass], std.pi, std.phi])
-        )
+        unknown = np.full(len(names), np.nan)
+        deviations.append(unknown if score.deviations is None else score.deviations)
     ends = [(*each[:1], *each[1:][-1:]) for each in experiments]
     return Scorecard(
         sources=tuple(" to ".join(motion.source for motion in each) for each in ends),

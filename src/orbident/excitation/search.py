@@ -1,9 +1,10 @@
-"""Many starts: from random motions inside the limits to the best local optima.
+"""One search: motions are drawn inside their limits, and the best one is kept.
 
-All starts are descended on a smooth criterion. Half of them are good motions that are
-known already, with one joint's motion made anew: what is good in one joint is often
-good beside another motion of the next. Only the best are then descended on a sharp
-criterion, and of these the best under more limits.
+Motions of joints have many starts, from random ones to the best local optima. All are
+descended on a smooth criterion. Half of them are good motions that are known already,
+with one joint's motion made anew: what is good in one joint is often good beside
+another motion of the next. Only the best are then descended on a sharp criterion, and
+of these the best under more limits.
 
 One descent: sequential quadratic programming (SLSQP of SciPy), exact gradients.
 """
@@ -12,7 +13,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -169,6 +170,9 @@ INWARD = 0.9
 
 MOST_HALVINGS = 20
 
+VAIN = 20
+"""So many motions beyond their limits for each that is not: limits are too tight."""
+
 ALIKE = 1e-3
 """Optima whose criterion's logarithms differ by less are taken for the same."""
 
@@ -193,29 +197,22 @@ class Effort:
     """Starts go on until they took so many: short descents leave time for more."""
     began: float = field(default_factory=time.perf_counter)
 
-    def followed(self, starts: int) -> int | None:
-        """How many are descended again after so many starts; None: as time allows."""
-        return None if self.budget else ceil(starts / FOLLOWED)
-
-    def begins(self, starts: int, evaluations: int) -> bool:
-        """Whether one more start is to begin after so many of both."""
+    def begins(self, searched: "Searched", until: float) -> bool:
+        """Whether one more start is to begin, up to a share of the budget."""
+        starts = searched.starts
+        if searched.refused + starts >= VAIN * (1 + starts):
+            return False
         if self.budget:
-            return starts == 0 or not self.over(FIRST.until)
-        return starts < self.starts or evaluations < self.evaluations
+            return starts == 0 or not self.over(until)
+        return starts < self.starts or searched.evaluations < self.evaluations
 
     def over(self, share: float) -> bool:
         """Whether so much of the time is up."""
-        return self._used() >= share
+        return self.used >= share
 
-    def fraction(self, searched: "Searched") -> float:
-        """Share of the search that is done."""
-        if self.budget:
-            return min(self._used(), 1.0)
-        least = searched.evaluations / self.evaluations if self.evaluations else 1.0
-        starts = searched.starts / min(searched.starts / self.starts, least, 1.0)
-        return min(searched.descents / (starts + starts / FOLLOWED + POLISHED), 1.0)
-
-    def _used(self) -> float:
+    @property
+    def used(self) -> float:
+        """Share of the budget; zero without any."""
         if not self.budget:
             return 0.0
         return (time.perf_counter() - self.began) / self.budget
@@ -223,21 +220,18 @@ class Effort:
 
 @dataclass
 class Searched:
-    """What a search has found so far."""
+    """What a search has found so far: motions with a `value`, the less the better."""
 
-    random: list[Feasible] = field(default_factory=list)
+    random: list[Any] = field(default_factory=list)
     """Random motions, before any descent."""
-    optima: list[Feasible] = field(default_factory=list)
+    optima: list[Any] = field(default_factory=list)
     """The best first; nearly equal ones once."""
     starts: int = 0
+    refused: int = 0
+    """Motions beside these that were drawn and do not keep to their limits."""
     descents: int = 0
     evaluations: int = 0
     interrupted: bool = False
-
-    @property
-    def best(self) -> Feasible:
-        """The least value of all."""
-        return min([*self.optima, *self.random], key=lambda found: found.value)
 
     def keep(self, found: Feasible) -> None:
         """Adds an optimum in its place."""
@@ -251,59 +245,96 @@ class Searched:
         )
 
 
-def search(
-    spaces: Sequence[SearchSpace],
-    effort: Effort,
-    seed: int,
-    report: Callable[[Progress], object],
-) -> Searched:
-    """Descend from many starts; an interrupt ends the search, and keeps what it found.
+@dataclass(eq=False)
+class MotionSearch:
+    """Motions of one kind, searched with an effort."""
 
-    Args:
-        spaces: random motions are drawn from each in turn.
-        effort: when to end.
-        seed: of the random starts.
-        report: is called after each descent.
-
-    Raises:
-        InputError: the limits of the base leave no room even for the gentlest motion.
-    """
-    run = _MultiStart(spaces, effort, report)
-    searched = run.searched
-    try:
-        while effort.begins(searched.starts, searched.evaluations):
-            random = np.random.default_rng([seed, searched.starts])
-            run.descend(_start(run, random), FIRST)
-        followed = effort.followed(searched.starts)
-        run.refine(searched.optima[:followed], SECOND)
-        run.refine(searched.optima[:POLISHED], LAST)
-    except KeyboardInterrupt:
-        # Without a first motion there is nothing to keep.
-        if not searched.random:
-            raise
-        searched.interrupted = True
-    return searched
-
-
-@dataclass(frozen=True, eq=False)
-class _MultiStart:
-    spaces: Sequence[SearchSpace]
     effort: Effort
     report: Callable[[Progress], object]
-    searched: Searched = field(default_factory=Searched)
+    """Is called after each start and descent."""
+    searched: Searched = field(default_factory=Searched, init=False)
+    until: ClassVar[float] = 1.0
+    """Share of a budget after which no start begins."""
 
-    def refine(self, found: list[Feasible], stage: DescentStage) -> None:
-        """Replaces the optima by what descents from some of them find."""
+    def start(self) -> None:
+        """Draw a motion, and keep it if it keeps to its limits."""
+        raise NotImplementedError
+
+    def refine(self) -> None:
+        """Make the best ones better, once all starts are made."""
+
+    def later(self, starts: float) -> float:
+        """How much more there is to do after so many starts, in starts."""
+        return 0.0
+
+    def run(self) -> Searched:
+        """Search; an interrupt ends it, and what it found is kept.
+
+        Raises:
+            InputError: the limits of the base leave no room for any motion of joints.
+        """
+        searched = self.searched
+        try:
+            while self.effort.begins(searched, self.until):
+                self.start()
+            self.refine()
+        except KeyboardInterrupt:
+            # Without a first motion there is nothing to keep.
+            if not searched.random:
+                raise
+            searched.interrupted = True
+        return searched
+
+    def tell(self, done: int) -> None:
+        """Report, after so many starts and descents."""
+        found, effort = self.searched, self.effort
+        least = found.starts * effort.evaluations / max(found.evaluations, 1)
+        starts = float(max(effort.starts, found.starts, least))
+        fraction = (
+            effort.used if effort.budget else done / (starts + self.later(starts))
+        )
+        values = (each.value for each in (*found.optima, *found.random))
+        best = float(np.exp(min(values, default=np.inf)))
+        self.report(Progress(min(fraction, 1.0), best, found.starts + found.refused))
+
+
+@dataclass(eq=False)
+class JointSearch(MotionSearch):
+    """Descents from many motions of the joints."""
+
+    spaces: Sequence[SearchSpace]
+    """Random motions are drawn from each in turn."""
+    seed: int
+    """Of the random motions."""
+    until: ClassVar[float] = FIRST.until
+
+    def start(self) -> None:
+        """Descend from a random motion, or a good one with a random joint."""
+        random = np.random.default_rng([self.seed, self.searched.starts])
+        self._descend(self._drawn(random), FIRST)
+
+    def refine(self) -> None:
+        """Descend from some optima again, and from the best of these once more."""
+        followed = ceil(self.searched.starts / FOLLOWED)
+        self._again(None if self.effort.budget else followed, SECOND)
+        self._again(POLISHED, LAST)
+
+    def later(self, starts: float) -> float:
+        """How many descents follow after so many starts."""
+        return starts / FOLLOWED + POLISHED
+
+    def _again(self, most: int | None, stage: DescentStage) -> None:
+        """Replaces the optima by what descents from the best of them find."""
         before, self.searched.optima = self.searched.optima, []
         try:
-            for each in found:
+            for each in before[:most]:
                 if self.effort.over(stage.until):
                     break
-                self.descend(each, stage)
+                self._descend(each, stage)
         finally:
             self.searched.optima = self.searched.optima or before
 
-    def descend(self, start: Feasible, stage: DescentStage) -> None:
+    def _descend(self, start: Feasible, stage: DescentStage) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
         descent = Descent(start.space, stage, lambda: effort.over(stage.until))
@@ -314,34 +345,27 @@ class _MultiStart:
             searched.descents += 1
             if descent.best is not None:
                 searched.keep(descent.best)
-        self.report(
-            Progress(
-                effort.fraction(searched),
-                float(np.exp(searched.best.value)),
-                searched.starts,
-            )
-        )
+        self.tell(searched.descents)
 
-
-def _start(run: _MultiStart, random: np.random.Generator) -> Feasible:
-    """A random motion, or a good one with a random joint; inside all limits."""
-    searched = run.searched
-    good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
-    space = run.spaces[len(searched.random) % len(run.spaces)]
-    searched.starts += 1
-    y = _random_motion(space, random)
-    if searched.starts <= FIRST_RANDOM or is_random or not good:
-        found = _inside_base_limits(space, y)
-        searched.random.append(found)
-        return found
-    # Limits hold joint by joint, so joints of two motions go together.
-    best = good[random.integers(len(good))]
-    mixed = best.space.middle + INWARD * (best.y - best.space.middle)
-    joint = random.integers(len(mixed))
-    if best.space is not space:
-        y = _random_motion(best.space, random)
-    mixed[joint] = y[joint]
-    return _inside_base_limits(best.space, mixed)
+    def _drawn(self, random: np.random.Generator) -> Feasible:
+        """A random motion, or a good one with a random joint; inside all limits."""
+        searched = self.searched
+        good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
+        space = self.spaces[len(searched.random) % len(self.spaces)]
+        searched.starts += 1
+        y = _random_motion(space, random)
+        if searched.starts <= FIRST_RANDOM or is_random or not good:
+            found = _inside_base_limits(space, y)
+            searched.random.append(found)
+            return found
+        # Limits hold joint by joint, so joints of two motions go together.
+        best = good[random.integers(len(good))]
+        mixed = best.space.middle + INWARD * (best.y - best.space.middle)
+        joint = random.integers(len(mixed))
+        if best.space is not space:
+            y = _random_motion(best.space, random)
+        mixed[joint] = y[joint]
+        return _inside_base_limits(best.space, mixed)
 
 
 def _random_motion(

@@ -6,17 +6,16 @@ that keep to the limits, the one is taken whose Cramer-Rao bound is smallest: th
 geometric mean of the deviations of the base parameters, which depends on no units.
 """
 
-import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from orbident.errors import InputError
 from orbident.excitation.bound import bound_of
-from orbident.excitation.conditions import Conditions, Limits
-from orbident.excitation.search import Progress
+from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
+from orbident.excitation.search import Effort, MotionSearch, Progress
 from orbident.excitation.table_points import TableSize
 from orbident.files.json_parts import nulled
 from orbident.model.kinematics import inertia
@@ -24,15 +23,12 @@ from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven, Pulse
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.threads import one_blas_thread
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
-
-SEQUENCES = 24
-"""So many are compared where nothing is asked for, as starts of a search are."""
 
 SHORTEST_PULSE = 0.3
 """s: three times what commands may be late, so that most of a pulse is no edge."""
@@ -43,25 +39,8 @@ LONGEST_PULSE = 0.1
 DRAWS = 16
 """Of a next pulse; where none leaves room to brake, the one that lacks least."""
 
-VAIN = 20
-"""So many sequences beyond their limits for each that is not: limits are too tight."""
-
-
 SEEN = 9
 """Samples of a pulse: the extremes of a parabola are missed by a 64th at most."""
-
-
-class PulseExtremes(NamedTuple):
-    """How far a motion goes, with the robot as it is declared."""
-
-    rate: float
-    """Norm of the base's angular velocity, rad/s."""
-    excursion: float
-    """Angle of the base from its first attitude, rad."""
-    table: TableSize
-    """That holds what S passes over."""
-    impulse: float
-    """Of all thrusters together, N s."""
 
 
 class Brakes(NamedTuple):
@@ -79,11 +58,11 @@ class PulseSequence(NamedTuple):
     pulses: tuple[Pulse, ...]
     flights: tuple[FreeFlying, ...]
 
-    def extremes(self, brakes: Brakes | None = None) -> PulseExtremes:
+    def extremes(self, brakes: Brakes | None = None) -> BaseExtremes:
         """How far it goes; with brakes, until it stands again after its end."""
-        w, x, r = (
+        w, x, r, speeds = (
             np.concatenate([getattr(each, name) for each in self.flights])
-            for name in ("w", "attitude", "r_S")
+            for name in ("w", "attitude", "r_S", "qd_rw")
         )
         rate = np.linalg.norm(w, axis=1)
         turned = rotation_angle(x, np.broadcast_to(x[0], x.shape))
@@ -92,10 +71,19 @@ class PulseSequence(NamedTuple):
             excursion = max(excursion, turned[-1] + rate[-1] ** 2 / 2 / brakes.turn)
             r = np.vstack([r, r[-1] + v * np.abs(v) / 2 / brakes.push])
         width, depth = np.ptp(r, axis=0)[:2].tolist()
-        # A circle about the rectangle.
-        table = TableSize(width, depth, float(np.hypot(width, depth)) / 2)
-        impulse = sum(each.force * (each.off - each.on) for each in self.pulses)
-        return PulseExtremes(float(rate.max()), excursion, table, impulse)
+        return BaseExtremes(
+            rate=float(rate.max()),
+            excursion=excursion,
+            wheel_speed=float(np.abs(speeds).max(initial=0.0)),
+            # A circle about the rectangle that holds what S passes over.
+            table=TableSize(width, depth, float(np.hypot(width, depth)) / 2),
+            impulse=sum((x.force * (x.off - x.on) for x in self.pulses), 0.0),
+        )
+
+    def over(self, limits: Limits, brakes: Brakes | None = None) -> float:
+        """The largest part by which a limit is exceeded; zero or less where none is."""
+        found = self.extremes(brakes).beside(limits)
+        return max(own / most for _, own, most in found) - 1
 
 
 def brakes_of(robot: Robot, limits: Limits) -> Brakes:
@@ -132,29 +120,46 @@ def brakes_of(robot: Robot, limits: Limits) -> Brakes:
     return Brakes(*found)
 
 
-def over_limits(found: PulseExtremes, limits: Limits, paid: float) -> float:
-    """The largest part by which a limit is exceeded; zero or less where none is.
+class FeasiblePulses(NamedTuple):
+    """Pulses that keep to their limits."""
 
-    Args:
-        found: how far a motion goes.
-        limits: of base, table and impulse.
-        paid: the part of the impulse that may be used.
-    """
-    shares = (
-        found.rate / limits.base_rate,
-        found.excursion / limits.excursion,
-        *(own / most for own, most in zip(found.table, limits.table, strict=True)),
-        found.impulse / (paid * limits.impulse),
-    )
-    return max(shares) - 1
+    motion: Trajectory
+    value: float
+    """Logarithm of the geometric mean of the least deviations; infinite where not all
+    parameters are determined."""
+    extremes: BaseExtremes
+
+
+@dataclass(eq=False)
+class PulseSearch(MotionSearch):
+    """Random sequences of pulses, each as it is drawn."""
+
+    robot: Robot
+    given: Conditions
+    random: np.random.Generator
+    brakes: Brakes
+
+    def start(self) -> None:
+        """Draw a sequence; keep it within its limits."""
+        searched, robot, given = self.searched, self.robot, self.given
+        drawn = _sequence(robot, given, self.brakes, self.random)
+        if drawn.pulses and drawn.over(given.limits) <= 0:
+            motion = _trajectory(robot, given, drawn.pulses)
+            base, value = bound_of(robot, motion).parameters.base, np.inf
+            if base.determined.all():
+                value = float(np.log(np.diag(base.covariance)).mean() / 2)
+            searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
+            searched.starts += 1
+        else:
+            searched.refused += 1
+        self.tell(searched.starts)
 
 
 @one_blas_thread
 def design_pulses(
     robot: Robot,
     given: Conditions,
-    sequences: int | None = None,
-    budget: float | None = None,
+    effort: Effort,
     seed: int = 0,
     progress: Callable[[Progress], object] = lambda _: None,
 ) -> Trajectory:
@@ -166,8 +171,7 @@ def design_pulses(
         robot: without joints, with the thrust of its thrusters and the noise of its
             sensors; its inertia is nominal.
         given: duration, initial state, and limits.
-        sequences: how many to compare; by default 24.
-        budget: instead of them, seconds.
+        effort: how many to compare, or for how long.
         seed: of the draws.
         progress: is called after each sequence.
 
@@ -179,46 +183,33 @@ def design_pulses(
         raise InputError(
             f"{robot.name}: thrusters: found none with a thrust; add 'thrust: 0.45' (N)"
         )
-    brakes = brakes_of(robot, given.limits)
-    began, wanted = time.perf_counter(), sequences or SEQUENCES
-    random, found, interrupted = np.random.default_rng(seed), [], False
-    drawn, done = 0, 0.0
-    while done < 1 and not interrupted and drawn < VAIN * (1 + len(found)):
-        drawn += 1
-        try:
-            sequence = _sequence(robot, given, brakes, random)
-            over = over_limits(sequence.extremes(), given.limits, 1.0)
-            if sequence.pulses and over <= 0:
-                motion = _trajectory(robot, given, sequence.pulses)
-                found.append((_deviation(robot, motion), sequence, motion))
-            used = (time.perf_counter() - began) / budget if budget else None
-            done = len(found) / wanted if used is None else used
-            best = min((value for value, *_ in found), default=np.inf)
-            progress(Progress(min(done, 1.0), best, drawn))
-        except KeyboardInterrupt:
-            if not found:
-                raise
-            interrupted = True
-    if not found:
+    random, brakes = np.random.default_rng(seed), brakes_of(robot, given.limits)
+    searched = PulseSearch(effort, progress, robot, given, random, brakes).run()
+    if not searched.random:
         raise InputError(
-            f"{robot.name}: limits: none of {drawn} random sequences of pulses keeps "
-            "to them; raise a limit, or give less time"
+            f"{robot.name}: limits: none of {searched.refused} random sequences of "
+            "pulses keeps to them; raise a limit, or give less time"
         )
-    values = [value for value, *_ in found]
-    best, sequence, motion = found[int(np.argmin(values))]
-    extremes = sequence.extremes()
+    values = np.exp([each.value for each in searched.random])
+    best = int(np.argmin(values))
+    extremes = searched.random[best].extremes
     made = {
         "objective": "d",
-        "value": nulled(best),
-        "searched_value": nulled(best),
-        "starts": len(found),
-        "beyond_limits": drawn - len(found),
-        "interrupted": interrupted,
+        "value": nulled(values[best]),
+        "searched_value": nulled(values[best]),
+        "starts": searched.starts,
+        "beyond_limits": searched.refused,
+        "interrupted": searched.interrupted,
         "median_random_start": nulled(float(np.median(values))),
         "seed": seed,
-        "extremes": extremes._asdict() | {"table": list(extremes.table)},
+        "extremes": {
+            "rate": extremes.rate,
+            "excursion": extremes.excursion,
+            "table": list(extremes.table),
+            "impulse": extremes.impulse,
+        },
     }
-    return replace(motion, design=made)
+    return replace(searched.random[best].motion, design=made)
 
 
 def _sequence(
@@ -233,10 +224,11 @@ def _sequence(
         best = np.inf, made, t
         for _ in range(DRAWS):
             drawn, end = _drawn(robot, given.duration, t, rate, random)
-            flight = _flown(robot, still, state, drawn, t, end)
+            times = np.linspace(t, end, SEEN)
+            flight = free_flying(robot, times, state, still, Driven(), pulses=drawn)
             longer = PulseSequence((*made.pulses, *drawn), (*made.flights, flight))
-            paid = end / given.duration
-            over = over_limits(longer.extremes(brakes), given.limits, paid)
+            paid = end / given.duration * given.limits.impulse
+            over = longer.over(replace(given.limits, impulse=paid), brakes)
             if over < best[0]:
                 best = over, longer, end
             if over <= 0:
@@ -257,19 +249,6 @@ def _drawn(
     chosen = random.permutation(len(fired))[: random.integers(0, 3)]
     pulses = (Pulse(fired[k].name, t, end, fired[k].thrust or 0.0) for k in chosen)
     return tuple(pulses), end
-
-
-def _flown(
-    robot: Robot,
-    still: Trajectory,
-    state: FlyingState,
-    pulses: tuple[Pulse, ...],
-    t: float,
-    end: float,
-) -> FreeFlying:
-    """The motion of one draw, seen a few times."""
-    times = np.linspace(t, end, SEEN)
-    return free_flying(robot, times, state, still, Driven(), pulses=pulses)
 
 
 def _trajectory(
@@ -300,11 +279,3 @@ def _trajectory(
         given.initial,
         environment if thrusters else None,
     )
-
-
-def _deviation(robot: Robot, motion: Trajectory) -> float:
-    """Geometric mean of the least deviations; infinite where not all are determined."""
-    base = bound_of(robot, motion).parameters.base
-    if not base.determined.all():
-        return np.inf
-    return float(np.exp(np.log(np.diag(base.covariance)).mean() / 2))

@@ -37,8 +37,7 @@ from orbident.report.page import Chart, Picture, Section, page, short, verdict_o
 from orbident.report.write import sections_of, signals_to_show
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar_run import PaperFigure
-from orbident.studies.run_planar import PlanarStudy
+from orbident.studies.run_planar import PaperFigure, PlanarStudy
 from orbident.studies.spatial import SpatialStudy
 from orbident.studies.study_account import Study, account_of
 

@@ -153,8 +153,8 @@ def check_pulses(
     """Refuse a schedule that no thruster can fly.
 
     Raises:
-        InputError: a thruster is unknown, a pulse is empty, outside of the run or
-            pulls, or two pulses of one thruster overlap.
+        InputError: a thruster is unknown, a pulse is empty or outside of the run, or
+            two pulses of one thruster overlap.
     """
     names = [thruster.name for thruster in robot.thrusters]
     for pulse in pulses:
@@ -163,11 +163,6 @@ def check_pulses(
             raise InputError(
                 f"{robot.name}: no thruster '{pulse.thruster}'; "
                 + suggestion(pulse.thruster, names, "thrusters")
-            )
-        if not 0 <= pulse.force < np.inf:
-            raise InputError(
-                f"{where}: force {pulse.force:g} N; a thruster only pushes, give a "
-                "positive force"
             )
         if not start <= pulse.on < pulse.off <= end:
             raise InputError(

@@ -176,8 +176,6 @@ class FreeFloating(NamedTuple):
     """Velocity of the system CM, inertial axes, m/s: constant."""
     attitude_error: float
     """Estimate of the largest attitude error, rad."""
-    substeps: int
-    """RK4 steps from one sample to the next."""
 
 
 def free_floating(
@@ -224,9 +222,7 @@ def free_floating(
     if planar:
         h_cm[:2] = 0.0
 
-    x_WB, law, error, substeps = float_attitude(
-        law_at, t, h_cm, start.attitude, tolerance
-    )
+    x_WB, law, error, _ = float_attitude(law_at, t, h_cm, start.attitude, tolerance)
     h = np.tile(h_cm, (t.size, 1))
     w, r_S, v_S = _core.floating_motion(
         core, q, qd, law.E, law.b, h, x_WB, processors()
@@ -244,7 +240,6 @@ def free_floating(
         h_cm=h_cm,
         v_cm=v_cm,
         attitude_error=error,
-        substeps=substeps,
     )
 
 

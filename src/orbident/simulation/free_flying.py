@@ -1,7 +1,6 @@
 """Free-flying motion: thrusters, wheels and joint torques move the robot (Eq. 13)."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +20,11 @@ from orbident.simulation.control_laws import (
 )
 from orbident.simulation.flight import (
     AT_S,
-    Drive,
     FlightStates,
     FlyingState,
     FreeFlying,
     check_flight,
-    check_laws,
+    commanded,
     integrate,
     vehicle_of,
 )
@@ -73,15 +71,13 @@ def free_flying(
         seed: of what is random of it.
 
     Raises:
-        InputError: the times do not increase, something has not the size of the robot,
-            a planar robot starts out of its plane, the mass matrix is singular, the
-            wheels are heavier than the base, a pulse cannot be flown, the environment
-            is not one of this robot, or no step is small enough.
+        InputError: a planar robot starts out of its plane, the mass matrix is singular,
+            the wheels are heavier than the base, a pulse cannot be flown, the
+            environment is not one of this robot, or no step is small enough.
     """
     environment = environment or Environment()
     pulses = (*pulses, *true_pulses(environment))
-    check_flight(robot, t, start, command, pulses)
-    check_laws(robot, joints, wheels, limits, t)
+    check_flight(robot, t, start, pulses)
     outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
     edges += [edge for edge in outside.edges if t[0] < edge < t[-1]]
@@ -100,14 +96,13 @@ def free_flying(
         wanted[parts * np.searchsorted(breaks, t)] = True
 
         def fly(wrenches: Wrenches) -> FlightStates:
-            def both(some: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
+            def at(some: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
                 net = np.tile(thrust_at(some)[:, None, None], (1, 3, 1, 1))
-                return np.concatenate([net, wrenches(some)], axis=2)
+                both = np.concatenate([net, wrenches(some)], axis=2)
+                return commanded(robot, command, (joints, wheels), some, both)
 
-            drive = Drive(command, joints, wheels, both)
             # What acts depends on the motion everywhere.
             shown = wanted if not outside.points else np.ones_like(wanted)
-            at = partial(drive.at, robot)
             return integrate(vehicle, at_start, nodes, at, shown)
 
         seen, path = outside.settled(fly, nodes[:, 0], path, tolerance / 10)

@@ -19,23 +19,20 @@ from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.friction import NO_FRICTION
-from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
+from orbident.robot.sensor_schema import Sampled, SensorsSpec
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion
 from orbident.simulation.sensor import (
     Reading,
-    read_angles,
     read_attitude,
     read_increments,
     read_inertial,
     read_position,
-    read_rates,
-    read_torques,
+    read_scalars,
     sensor_columns,
     stream,
 )
 from orbident.threads import processors
-from orbident.trajectories.trajectory import Trajectory
 
 
 class Accelerations(NamedTuple):
@@ -139,8 +136,7 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
         trajectory: of the joints, in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    q_rw = _integrated(motion.t, motion.qd_rw, at.qdd_rw)
-    return _truth(motion, q_rw, at.f_S, at.tau)
+    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at)
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -149,15 +145,13 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
     Args:
         flight: wheels turn on from wherever they were; their angles count from here.
     """
-    q_rw = flight.q_rw - flight.q_rw[0]
-    return _truth(flight, q_rw, flight.f_S, flight.tau)
+    return _truth(flight, flight.q_rw - flight.q_rw[0], flight)
 
 
 def _truth(
     motion: FreeFloating | FreeFlying,
     q_rw: Float[np.ndarray, "rows wheels"],
-    f_S: Float[np.ndarray, "rows 3"],
-    tau: Float[np.ndarray, "rows joints"],
+    at: Accelerations | FreeFlying,
 ) -> Truth:
     return Truth(
         q=motion.q,
@@ -165,11 +159,11 @@ def _truth(
         q_rw=q_rw,
         qd_rw=motion.qd_rw,
         gyro=motion.w,
-        accelerometer=f_S,
+        accelerometer=at.f_S,
         attitude=motion.attitude,
         position=motion.r_S,
         velocity=motion.v_S,
-        tau=tau,
+        tau=at.tau,
     )
 
 
@@ -185,37 +179,6 @@ def _integrated(
     return np.concatenate([np.zeros_like(speed[:1]), np.cumsum(steps, axis=0)])
 
 
-def measure(
-    robot: Robot,
-    motion: FreeFloating,
-    trajectory: JointMotion,
-    seed: int = 0,
-    truth: bool = False,
-) -> Recording:
-    """Record a free-floating motion with the sensors of the robot's file.
-
-    A sensor that the file does not declare has no columns, but joint positions are
-    always there, exact where there are no encoders. Rates of joints and speeds of
-    wheels are there where the file declares a tachometer. Every sensor draws from a
-    stream of its own, so that none changes another's noise.
-
-    Args:
-        robot: with its nominal inertia and its sensors.
-        motion: the free-floating motion, at evenly spaced times: the rows.
-        trajectory: of the joints, that the motion was made with.
-        seed: of all random numbers.
-        truth: whether to add the noise-free `truth.*` columns.
-
-    Raises:
-        InputError: a sensor's parameters are not usable, its rate does not fit the
-            rows, the rows are not evenly spaced, or the seed is no whole number.
-    """
-    if isinstance(trajectory, Trajectory):
-        trajectory = trajectory.for_robot(robot)
-    true = truth_of(robot, motion, trajectory)
-    return measure_truth(robot, motion.t, true, seed, truth)
-
-
 def measure_truth(
     robot: Robot,
     t: Float[np.ndarray, " rows"],
@@ -223,7 +186,12 @@ def measure_truth(
     seed: int = 0,
     truth: bool = False,
 ) -> Recording:
-    """Record what is true of any motion, as `measure` does.
+    """Record a motion with the sensors of the robot's file.
+
+    A sensor that the file does not declare has no columns, but joint positions are
+    always there, exact where there are no encoders. Rates of joints and speeds of
+    wheels are there where the file declares a tachometer. Every sensor draws from a
+    stream of its own, so that none changes another's noise.
 
     Args:
         robot: with its sensors.
@@ -233,7 +201,8 @@ def measure_truth(
         truth: whether to add the noise-free `truth.*` columns.
 
     Raises:
-        InputError: as `measure`.
+        InputError: a sensor's parameters are not usable, its rate does not fit the
+            rows, the rows are not evenly spaced, or the seed is no whole number.
     """
     columns = {}
     if robot.sensors.joints is None:
@@ -272,39 +241,30 @@ class Channel(NamedTuple):
 
 
 def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
-    joints, wheels = robot.sensors.joints, robot.sensors.wheels
-    if joints is not None:
-        for k, name in enumerate(robot.joint_names):
-            pair = true.q[:, [k]], true.qd[:, [k]]
-            yield from _encoder("joints", joints, f"joint.{name}", "velocity", *pair)
-    if wheels is not None:
-        for k, name in enumerate(robot.wheel_names):
-            pair = true.q_rw[:, [k]], true.qd_rw[:, [k]]
-            yield from _encoder("wheels", wheels, f"wheel.{name}", "speed", *pair)
-    torques, seen = robot.sensors.torques, true.shown_torques(robot)
+    sensors, names = robot.sensors, robot.joint_names
+    for key, encoder, owners, what, q, qd in (
+        ("joints", sensors.joints, names, "velocity", true.q, true.qd),
+        ("wheels", sensors.wheels, robot.wheel_names, "speed", true.q_rw, true.qd_rw),
+    ):
+        if encoder is None:
+            continue
+        for k, owner in enumerate(owners):
+            name = f"{key.removesuffix('s')}.{owner}"
+            # Joint positions are always there.
+            if key == "joints" or encoder.white_noise is not None:
+                noise = encoder.white_noise or 0.0, encoder.resolution or 0.0
+                read = partial(read_scalars, *noise)
+                yield Channel(key, encoder, name, ("position",), q[:, [k]], read)
+            if encoder.tachometer is not None:
+                read = partial(read_scalars, encoder.tachometer, 0.0)
+                yield Channel(key, encoder, name, (what,), qd[:, [k]], read)
+    torques, seen = sensors.torques, true.shown_torques(robot)
     if torques is not None and seen is not None:
-        for k, name in enumerate(robot.joint_names):
-            read = partial(read_torques, torques)
-            yield Channel(
-                "torques", torques, f"joint.{name}", ("torque",), seen[:, [k]], read
-            )
-    yield from _of_base(robot.sensors, true)
-
-
-def _encoder(
-    key: str,
-    sensor: EncoderSpec,
-    name: str,
-    rate: str,
-    q: Float[np.ndarray, "rows 1"],
-    qd: Float[np.ndarray, "rows 1"],
-) -> Iterator[Channel]:
-    # Joint positions are always there.
-    if key == "joints" or sensor.white_noise is not None:
-        read = partial(read_angles, sensor)
-        yield Channel(key, sensor, name, ("position",), q, read)
-    if sensor.tachometer is not None:
-        yield Channel(key, sensor, name, (rate,), qd, partial(read_rates, sensor))
+        read = partial(read_scalars, torques.white_noise, 0.0)
+        for k, name in enumerate(names):
+            joint = f"joint.{name}"
+            yield Channel("torques", torques, joint, ("torque",), seen[:, [k]], read)
+    yield from _of_base(sensors, true)
 
 
 def _of_base(sensors: SensorsSpec, true: Truth) -> Iterator[Channel]:

@@ -24,11 +24,9 @@ from orbident.robot.sensor_schema import (
     AccelerometerSpec,
     AttitudeSpec,
     Coloured,
-    EncoderSpec,
     InertialSpec,
     PositionSpec,
     Sampled,
-    TorqueSpec,
     TrackerSpec,
 )
 
@@ -50,10 +48,6 @@ def stream(seed: int, name: str) -> np.random.Generator:
         raise InputError(f"seed {seed!r}: give a whole number of zero or more")
     children = np.random.SeedSequence(int(seed), spawn_key=tuple(name.encode()))
     return np.random.default_rng(children)
-
-
-MARKOV_PEAK_AT = 1.8926
-"""The averaging time of that peak, over the correlation time."""
 
 
 def gaussian(
@@ -194,9 +188,14 @@ def sensor_columns(
     noise, losses = random.spawn(2)
     stride, dt = _stride(sensor.rate, t)
     rows = slice(None, None, stride)
-    late = sensor.latency
-    true = _delayed(t, true, t[rows], late) if late else true[rows]
-    shown = read(true, dt, noise)
+    if late := sensor.latency:
+        if t.size < 4:
+            raise InputError(f"latency: needs at least 4 rows, found {t.size}")
+        # The values of so long ago; NaN where that is before the first row.
+        at_rows = CubicSpline(t, true, extrapolate=False)(t[rows] - late)
+    else:
+        at_rows = true[rows]
+    shown = read(at_rows, dt, noise)
     lost = losses.random((len(shown), 1)) < (sensor.drop_out or 0.0)
     columns = np.full((t.size, shown.shape[1]), np.nan)
     columns[rows] = np.where(lost, np.nan, shown)
@@ -221,18 +220,6 @@ def _stride(rate: float | None, t: Float[np.ndarray, " rows"]) -> tuple[int, flo
             "multiple of the sensor's rate"
         )
     return stride, stride * row
-
-
-def _delayed(
-    t: Float[np.ndarray, " rows"],
-    true: Float[np.ndarray, "rows axes"],
-    at: Float[np.ndarray, " n"],
-    latency: float,
-) -> Float[np.ndarray, "n axes"]:
-    """The values of so long ago; NaN where that is before the first row."""
-    if t.size < 4:
-        raise InputError(f"latency: needs at least 4 rows, found {t.size}")
-    return CubicSpline(t, true, extrapolate=False)(at - latency)
 
 
 NONE = (0.0, 0.0, 0.0)
@@ -307,41 +294,21 @@ def velocity_increments(
     return np.concatenate([np.full((1, 3), np.nan), change])
 
 
-def read_angles(
-    sensor: EncoderSpec,
+def read_scalars(
+    std: float,
+    resolution: float,
     true: Float[np.ndarray, "n axes"],
     dt: float,
     random: np.random.Generator,
 ) -> Float[np.ndarray, "n axes"]:
-    """What encoders show, rad or m; those of wheels count over full turns.
+    """What encoders, tachometers and torque sensors show, in the unit of `true`.
 
-    `shown = resolution round((true + n) / resolution)`, with white `n`.
+    `shown = resolution round((true + n) / resolution)`, with white `n`. Encoders of
+    wheels count over full turns; tachometers and torque sensors have no resolution.
+    The paper has none of these two (Section 3.5).
     """
     del dt
-    noisy = true + gaussian(random, true.shape, sensor.white_noise or 0.0)
-    return quantised(noisy, sensor.resolution or 0.0)
-
-
-def read_rates(
-    sensor: EncoderSpec,
-    true: Float[np.ndarray, "n axes"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n axes"]:
-    """What tachometers show, rad/s or m/s. The paper has none (Section 3.5)."""
-    del dt
-    return true + gaussian(random, true.shape, sensor.tachometer or 0.0)
-
-
-def read_torques(
-    sensor: TorqueSpec,
-    true: Float[np.ndarray, "n axes"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n axes"]:
-    """What torque sensors show, N m or N."""
-    del dt
-    return true + gaussian(random, true.shape, sensor.white_noise)
+    return quantised(true + gaussian(random, true.shape, std), resolution)
 
 
 def read_attitude(

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
@@ -32,10 +32,10 @@ from orbident.simulation.control_laws import ComputedTorque
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState, FreeFloating
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure
+from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import float_along, motion_recording, sample_times
 from orbident.studies import paper_tables
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
 
 
@@ -92,7 +92,7 @@ class Tracked(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ControlStudy:
+class ControlStudy(StudyRuns):
     """How well the same task was tracked with either model."""
 
     errors: Mapping[str, Tracked]
@@ -104,9 +104,6 @@ class ControlStudy:
     """The trajectory of the identification."""
     recording: Recording
     result: Result
-    seeds: int
-    rejected: int
-    elapsed_s: float
 
     @property
     def trusted(self) -> bool:
@@ -122,9 +119,7 @@ class ControlStudy:
             },
             "factor": nulled(self.factor),
             "cad_error": CAD_ERROR,
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 
@@ -142,7 +137,7 @@ def run_control(noise: StudyNoise = "none", runs: SeedRuns = ONE_RUN) -> Control
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
     motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
-    task = _Task(robot, trajectory, motion, noise)
+    task = _Task(robot, motion, truth_of(robot, motion, trajectory), noise)
     first = task.identified(runs.first)
     (found,) = runs.over(Series(task.identified, runs.numbers, task.errors, (first,)))
     by_seed = found.runs.reshape(runs.seeds, 2, 2)
@@ -165,15 +160,15 @@ class _Task(NamedTuple):
     """The same motion, identified with a CAD model and sensors of each seed's own."""
 
     robot: Robot
-    trajectory: Trajectory
     motion: FreeFloating
+    true: Truth
     noise: StudyNoise
 
     def identified(self, seed: int) -> tuple[Recording, Result]:
         recording = (
             motion_recording(self.robot, self.motion)
             if self.noise == "none"
-            else measure(self.robot, self.motion, self.trajectory, seed)
+            else measure_truth(self.robot, self.motion.t, self.true, seed)
         )
         cad = off_by(self.robot, CAD_ERROR, seed)
         return recording, identify(cad, recording, "least-squares")

@@ -19,7 +19,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.tolerance_schema import TolerancesEntry
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment
 
 WRONG = 0.1
@@ -68,20 +68,16 @@ def fly_demo(seed: int = 0) -> DemoFlights:
     Args:
         seed: of its inertia, of errors and noise of its instruments, and of the torque.
     """
-    robot = _robot()
+    robot = spatial_robot()
+    said = {key: x for key, x in robot.document.items() if key not in UNSAID}
+    usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, robot.name)
+    robot = replace(robot, disturbances=None, tolerances=usual, document=said)
     motion = replace(spatial_trajectory(robot), environment=ACTING)
     case = Case(0, Subject(robot, motion), VARIED, seed)
     # The joints exchange their motions.
     other = replace(motion, a=motion.a[::-1], b=motion.b[::-1])
     again = recorded(case.robot, other, case.instrument_errors, seed + 1)
     return DemoFlights(robot, case.robot, case.recording(), again)
-
-
-def _robot() -> Robot:
-    robot = spatial_robot()
-    said = {key: x for key, x in robot.document.items() if key not in UNSAID}
-    usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, robot.name)
-    return replace(robot, disturbances=None, tolerances=usual, document=said)
 
 
 def with_cad_values(result: Result) -> Result:

@@ -1,12 +1,17 @@
 """The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them.
 
-A study's parameters beside the paper's own numbers.
+The paper's two robots and their motions; a study's parameters beside its numbers.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from orbident.files.json_parts import nulled
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.trajectories.trajectory import InitialState, Trajectory
 
 # Table 2: row per joint, column per harmonic.
 SPATIAL_A = (
@@ -146,3 +151,52 @@ class PaperRow:
             "worst_error_percent": nulled(self.worst_error_percent),
             "cramer_rao_percent": nulled(self.cramer_rao_percent),
         }
+
+
+def spatial_robot() -> Robot:
+    """Table 1's servicer."""
+    return load_robot("paper-spatial")
+
+
+def spatial_trajectory(robot: Robot) -> Trajectory:
+    """Table 2's exciting trajectory with Table 3's initial conditions."""
+    at_rest = np.zeros((len(robot.joints), 3))
+    speeds = {
+        wheel.name: momentum / wheel.inertia
+        for wheel, momentum in zip(robot.wheels, SPATIAL_WHEEL_MOMENTUM, strict=True)
+    }
+    return Trajectory(
+        duration=SPATIAL_DURATION,
+        joints=robot.joint_names,
+        a=np.array(SPATIAL_A),
+        b=np.array(SPATIAL_B),
+        start=at_rest,
+        end=at_rest,
+        initial=InitialState(
+            angular_velocity=np.array(SPATIAL_ANGULAR_VELOCITY),
+            attitude=np.array(SPATIAL_ATTITUDE),
+            wheel_speed=speeds,
+        ),
+        source="Table 2",
+    )
+
+
+def planar_robot() -> Robot:
+    """The stand-in for Cepheus."""
+    return load_robot("cepheus-like")
+
+
+def planar_trajectory(robot: Robot) -> Trajectory:
+    """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
+    at_rest = np.zeros((len(robot.joints), 3))
+    speeds = dict.fromkeys(robot.wheel_names, PLANAR_WHEEL_SPEED)
+    return Trajectory(
+        duration=PLANAR_DURATION,
+        joints=robot.joint_names,
+        a=np.array(PLANAR_A),
+        b=np.array(PLANAR_B),
+        start=at_rest,
+        end=at_rest,
+        initial=InitialState(wheel_speed=speeds),
+        source="Table 5",
+    )

@@ -1,8 +1,7 @@
-"""Section 5: the planar two-joint robot, and what it was told to do.
+"""Section 5 for one seed: the planar two-joint robot flies, and is read in two ways.
 
-Free flights as recordings: what the sensors saw, and how the thrusters fired.
-
-Section 5, flown: spin-up, exciting trajectory, burn and validation.
+It flies spin-up, exciting trajectory, burn and validation. Recordings are what the
+sensors saw, and how the thrusters fired.
 """
 
 from typing import NamedTuple
@@ -10,10 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.identify import Method, identify
+from orbident.estimation.result import Result
+from orbident.estimation.weigh import Weighing, weigh
+from orbident.identified.validate import SCORED, Validation, scored
 from orbident.model.kinematics import JointState
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.robot_file import load_robot
 from orbident.simulation.control_laws import (
     Hold,
     JointPD,
@@ -27,7 +29,14 @@ from orbident.simulation.free_floating import BaseState, JointMotion
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
 from orbident.studies import paper_tables
-from orbident.trajectories.trajectory import InitialState, Trajectory
+from orbident.studies.paper_method import (
+    Filters,
+    PaperParameters,
+    from_mocap,
+    mass_by_slopes,
+    paper_method,
+)
+from orbident.trajectories.trajectory import Trajectory
 
 # The paper gives neither gains nor motors: what such a robot would have. The arm
 # follows Table 5 to 0.03 rad, and locked it gives way by 0.002 rad.
@@ -59,27 +68,6 @@ class Sines(NamedTuple):
         sines = np.sin(rate * t)[:, None] * self.amplitudes
         cosines = np.cos(rate * t)[:, None] * self.amplitudes
         return sines, rate * cosines, -(rate**2) * sines
-
-
-def planar_robot() -> Robot:
-    """The stand-in for Cepheus."""
-    return load_robot("cepheus-like")
-
-
-def planar_trajectory(robot: Robot) -> Trajectory:
-    """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
-    at_rest = np.zeros((len(robot.joints), 3))
-    speeds = dict.fromkeys(robot.wheel_names, paper_tables.PLANAR_WHEEL_SPEED)
-    return Trajectory(
-        duration=paper_tables.PLANAR_DURATION,
-        joints=robot.joint_names,
-        a=np.array(paper_tables.PLANAR_A),
-        b=np.array(paper_tables.PLANAR_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(wheel_speed=speeds),
-        source="Table 5",
-    )
 
 
 def validation_command() -> Sines:
@@ -239,3 +227,108 @@ def _at_rest(yaw: float, drift: float = 0.0) -> BaseState:
 def _times(start: float, end: float) -> Float[np.ndarray, " n"]:
     first, last = (round(edge * paper_tables.PLANAR_RATE) for edge in (start, end))
     return np.arange(first, last + 1) / paper_tables.PLANAR_RATE
+
+
+class Records(NamedTuple):
+    """What was recorded of each flight."""
+
+    identification: Recording
+    burn: Recording
+    validation: Recording
+
+
+class PlanarReading(NamedTuple):
+    """What one way of signal processing comes to."""
+
+    result: Result
+    identification: Recording
+    """As identification was given it."""
+    validation: Recording
+    """As prediction was given it."""
+    scores: Validation | None
+    """None where the result cannot predict."""
+
+    def quantities(self, table: PaperParameters) -> Float[np.ndarray, " quantities"]:
+        """Errors of Table 6's parameters in percent, and both NRMSE."""
+        nrmse = [np.nan] * len(SCORED)
+        if self.scores is not None:
+            nrmse = [self.scores.nrmse[name] for name in SCORED]
+        return np.concatenate([table.errors(table.found(self.result)), nrmse])
+
+
+class PlanarRun(NamedTuple):
+    """One seed."""
+
+    records: Records
+    readings: dict[str, PlanarReading]
+    """Readings by method, the paper's first."""
+    weighing: Weighing
+    by_slopes: float
+    """M from two slopes, kg."""
+
+    def quantities(self, table: PaperParameters) -> Float[np.ndarray, " quantities"]:
+        """Quantities of each reading, and the errors of M from the burn, percent."""
+        M = np.array([self.weighing.mass.value, self.by_slopes])
+        readings = [reading.quantities(table) for reading in self.readings.values()]
+        return np.concatenate([*readings, 100 * (M / table.true[-1] - 1)])
+
+
+class PaperFilters(NamedTuple):
+    """The filters of the two recordings that are differentiated: what moves differs."""
+
+    identification: Filters
+    validation: Filters
+
+
+def run_ideal(robot: Robot, flights: Flights, method: Method) -> PlanarRun:
+    """Run with ideal sensors of everything: there is nothing to be filtered."""
+    records = Records(*(ideal_record(robot, flight) for flight in flights))
+    result = identify(robot, records.identification, method, "at-rest")
+    reading = _read(result, records.identification, records.validation)
+    return _run(robot, records, {method: reading})
+
+
+def run_noisy(
+    robot: Robot, flights: Flights, filters: PaperFilters, seed: int, method: Method
+) -> PlanarRun:
+    """Run with the sensors of the robot's file; each recording has a noise of its own.
+
+    Args:
+        robot: the robot that flew.
+        flights: all flights of Section 5.
+        filters: the filters of the paper's method.
+        seed: the seed of the three recordings' noise.
+        method: the method of `identify`, which takes the recordings unfiltered.
+    """
+    seeds = (len(flights) * seed + k for k in range(len(flights)))
+    records = Records(
+        *(
+            measured_record(robot, flight, own)
+            for flight, own in zip(flights, seeds, strict=True)
+        )
+    )
+    raw = records.identification, records.validation
+    filtered = [
+        from_mocap(robot, recording, own)
+        for recording, own in zip(raw, filters, strict=True)
+    ]
+    readings = {
+        "paper": _read(paper_method(robot, filtered[0], "at-rest"), *filtered),
+        method: _read(identify(robot, raw[0], method, "at-rest"), *raw),
+    }
+    return _run(robot, records, readings)
+
+
+def _run(
+    robot: Robot, records: Records, readings: dict[str, PlanarReading]
+) -> PlanarRun:
+    burn = records.burn
+    return PlanarRun(records, readings, weigh(robot, burn), mass_by_slopes(burn))
+
+
+def _read(
+    result: Result, identification: Recording, validation: Recording
+) -> PlanarReading:
+    complete = np.isfinite([*result.pi.values, *result.phi.values]).all()
+    scores = scored(result, validation) if complete else None
+    return PlanarReading(result, identification, validation, scores)

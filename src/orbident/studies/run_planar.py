@@ -1,36 +1,46 @@
-"""Section 5, run: Table 6, the burn, and the validation, without noise and with it."""
+"""Section 5, run: Table 6, the burn, and the validation, without noise and with it.
+
+The data of the paper's Figs. 6 to 13, as columns with units.
+"""
 
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.integrate import cumulative_trapezoid
 
-from orbident.campaigns.seeds import ONE_RUN, Errors, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import nulled
+from orbident.identified.prediction import predict
 from orbident.identified.validate import SCORED, Validation
 from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import write_blocks
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters, PaperParameters, condition_in_basis
-from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar import fly_planar, planar_robot, planar_trajectory
-from orbident.studies.planar_run import (
-    Measured,
-    PaperFigure,
+from orbident.studies.paper_method import (
+    Filters,
+    PaperParameters,
+    condition_in_basis,
+    yaw_of,
+)
+from orbident.studies.paper_tables import PaperRow, planar_robot, planar_trajectory
+from orbident.studies.planar import (
     PaperFilters,
     PlanarReading,
     PlanarRun,
     Records,
-    planar_figures,
+    fly_planar,
     run_ideal,
     run_noisy,
 )
@@ -91,8 +101,19 @@ class Weighed(NamedTuple):
         }
 
 
+Column = Float[np.ndarray, " n"]
+
+
+class PaperFigure(NamedTuple):
+    """What one figure of the paper shows."""
+
+    title: str
+    columns: Mapping[str, Column]
+    """Columns by name with unit; time comes first."""
+
+
 @dataclass(frozen=True)
-class PlanarStudy:
+class PlanarStudy(StudyRuns):
     """Table 6 and Figs. 6 to 13, and everything they were made from."""
 
     methods: Mapping[str, MethodResult]
@@ -109,10 +130,6 @@ class PlanarStudy:
     """Cut-offs of the filters of the paper's method, by signal; empty without noise."""
     noisy: bool
     """Whether the sensors had noise."""
-    seeds: int
-    rejected: int
-    """Seeds of which something could not be identified, weighed or predicted."""
-    elapsed_s: float
 
     @property
     def main(self) -> MethodResult:
@@ -149,9 +166,7 @@ class PlanarStudy:
                 }
                 for name, method in self.methods.items()
             },
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 
@@ -180,83 +195,60 @@ def run_planar(
     filters = PaperFilters(Filters(), Filters())
     if noise == "none":
         runs, first = ONE_RUN, run_ideal(robot, flights, method)
-        errors = Errors(first.quantities(table)[None])
+        found = first.quantities(table)[None]
+        over = np.full((2, found.size), np.nan)
     else:
         run = partial(run_noisy, robot, flights, filters, method=method)
         first, row_of = run(runs.first), partial(PlanarRun.quantities, table=table)
         (errors,) = runs.over(Series(run, runs.numbers, row_of, (first,)))
-    columns = _Columns(errors, len(first.readings), noise == "paper")
+        found, over = errors.runs, np.stack([errors.rms, errors.worst])
+    parts = np.split(over[:, :-2], len(first.readings), axis=1)
     methods = {
-        name: _method(reading, table, columns, k)
-        for k, (name, reading) in enumerate(first.readings.items())
+        name: _method(reading, table, part)
+        for (name, reading), part in zip(first.readings.items(), parts, strict=True)
     }
     main = next(iter(methods.values()))
     return PlanarStudy(
         methods=methods,
-        mass=_weighed(first, table, columns),
+        mass=_weighed(first, table, over[:, -2:]),
         condition_number={
             **condition_in_basis(table.basis, main.result),
             "Y_paper": paper_tables.PLANAR_CONDITION,
         },
         trajectory=trajectory,
         recordings=first.records,
-        figures=_figures(robot, first),
+        figures=planar_figures(robot, first),
         cut_offs=filters.identification.cut_offs,
         noisy=noise == "paper",
         seeds=runs.seeds,
-        rejected=int(np.isnan(errors.runs).any(axis=1).sum()),
+        rejected=int(np.isnan(found).any(axis=1).sum()),
         elapsed_s=time.perf_counter() - started,
     )
 
 
-class _Columns(NamedTuple):
-    """What the columns of the errors over the seeds are."""
-
-    errors: Errors
-    methods: int
-    noisy: bool
-
-    def of_method(self, k: int) -> tuple[slice, slice]:
-        """Table 6's parameters, and the scores."""
-        width = (self.errors.runs.shape[1] - 2) // self.methods
-        end = (k + 1) * width
-        return slice(k * width, end - len(SCORED)), slice(end - len(SCORED), end)
-
-    def over(
-        self, columns: slice
-    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-        """RMS and worst of these columns; NaN without noise."""
-        rms, worst = self.errors.rms[columns], self.errors.worst[columns]
-        if not self.noisy:
-            return np.full_like(rms, np.nan), np.full_like(worst, np.nan)
-        return rms, worst
-
-
 def _method(
-    reading: PlanarReading, table: PaperParameters, columns: _Columns, k: int
+    reading: PlanarReading,
+    table: PaperParameters,
+    over: Float[np.ndarray, "2 quantities"],
 ) -> MethodResult:
-    parameters, scores = columns.of_method(k)
-    rms, worst = columns.over(parameters)
+    """A way's part of the RMS and the worst over the seeds: parameters, then scores."""
+    parameters, scores = np.split(over, [-len(SCORED)], axis=1)
+    columns = table.true, table.found(reading.result), *parameters
     rows = tuple(
         PaperRow(name, None, None, *map(float, numbers))
-        for name, *numbers in zip(
-            paper_tables.PLANAR_IDENTIFIED,
-            table.true,
-            table.found(reading.result),
-            rms,
-            worst,
-            strict=True,
-        )
+        for name, *numbers in zip(paper_tables.PLANAR_IDENTIFIED, *columns, strict=True)
     )
-    over = [
+    nrmse = [
         {str(name): float(x) for name, x in zip(SCORED, part, strict=True)}
-        for part in columns.over(scores)
+        for part in scores
     ]
-    return MethodResult(rows, reading.result, PredictionScores(reading.scores, *over))
+    return MethodResult(rows, reading.result, PredictionScores(reading.scores, *nrmse))
 
 
-def _weighed(first: PlanarRun, table: PaperParameters, columns: _Columns) -> Weighed:
-    rms, worst = columns.over(slice(-2, None))
+def _weighed(
+    first: PlanarRun, table: PaperParameters, over: Float[np.ndarray, "2 2"]
+) -> Weighed:
+    rms, worst = over
     rows = [
         PaperRow(
             name="M",
@@ -272,19 +264,117 @@ def _weighed(first: PlanarRun, table: PaperParameters, columns: _Columns) -> Wei
     return Weighed(*rows, weighing=first.weighing)
 
 
-def _figures(robot: Robot, first: PlanarRun) -> dict[str, PaperFigure]:
-    reading = next(iter(first.readings.values()))
-    if reading.scores is None:
-        return {}
-    records = first.records
-    return planar_figures(
-        robot,
-        Measured(records.identification, reading.identification),
-        records.burn,
-        Measured(records.validation, reading.validation),
-        reading.result,
-    )
-
-
 def _row_json(row: PaperRow) -> dict[str, Any]:
     return {**row.to_json(), "paper_estimate": paper_tables.PLANAR_IDENTIFIED[row.name]}
+
+
+class Measured(NamedTuple):
+    """A recording as the sensors gave it, and what was made of it."""
+
+    raw: Recording
+    ready: Recording
+    """The recording with rates of joints and base, and the velocity of S."""
+
+
+def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
+    """The figures by name, `fig06` to `fig13`, of the first way to read a run.
+
+    Args:
+        robot: the robot that flew.
+        run: one seed; without figures where its result predicts nothing.
+    """
+    reading, burn = next(iter(run.readings.values())), run.records.burn
+    if reading.scores is None:
+        return {}
+    identification = Measured(run.records.identification, reading.identification)
+    validation = Measured(run.records.validation, reading.validation)
+    predicted = _predicted(reading.result, validation)
+    place = _position(identification.raw)
+    thrust = {f"force {k} (N)": burn.column(f"force.{k}") for k in "xy"}
+    return {
+        "fig06": PaperFigure(
+            "Measured joint angles and rates", _joints(robot, identification)
+        ),
+        "fig07": PaperFigure("Measured base angle and rate", _base(identification)),
+        "fig08": PaperFigure(
+            "Measured position and velocity of S",
+            place | _velocity(identification.ready),
+        ),
+        "fig09": PaperFigure("Translation of S in the burn", _position(burn) | thrust),
+        "fig10": PaperFigure(
+            "Validation: joint angles and rates", _joints(robot, validation)
+        ),
+        "fig11": PaperFigure(
+            "Validation: base angle, and rate with its prediction",
+            _base(validation) | _named(predicted, "base rate z predicted (rad/s)"),
+        ),
+        "fig12": PaperFigure(
+            "Validation: position of S with its prediction",
+            _position(validation.raw)
+            | _named(predicted, *(f"S {k} predicted (m)" for k in "xy")),
+        ),
+        "fig13": PaperFigure(
+            "Validation: velocity of S with its prediction",
+            _velocity(validation.ready)
+            | _named(predicted, *(f"S velocity {k} predicted (m/s)" for k in "xy")),
+        ),
+    }
+
+
+def write_figures(figures: Mapping[str, PaperFigure], folder: Path) -> None:
+    """Each as a CSV file, one column a curve.
+
+    Args:
+        figures: by name.
+        folder: that exists.
+
+    Raises:
+        InputError: no permission.
+    """
+    for name, figure in figures.items():
+        table = np.column_stack(list(figure.columns.values()))
+        write_blocks(folder / f"{name}.csv", list(figure.columns), [table])
+
+
+def _joints(robot: Robot, seen: Measured) -> dict[str, Column]:
+    columns = {"t (s)": seen.raw.t}
+    for name in robot.joint_names:
+        columns[f"{name} angle (rad)"] = seen.raw.column(f"joint.{name}.position")
+    for name in robot.joint_names:
+        columns[f"{name} rate (rad/s)"] = seen.ready.column(f"joint.{name}.velocity")
+    return columns
+
+
+def _base(seen: Measured) -> dict[str, Column]:
+    return {
+        "t (s)": seen.raw.t,
+        "base angle z (rad)": yaw_of(seen.raw.vector("attitude", "xyzw")),
+        "base rate z (rad/s)": seen.ready.column("gyro.z"),
+    }
+
+
+def _position(raw: Recording) -> dict[str, Column]:
+    position = {f"S {k} (m)": raw.column(f"position.{k}") for k in "xy"}
+    return {"t (s)": raw.t, **position}
+
+
+def _velocity(ready: Recording) -> dict[str, Column]:
+    rate = {f"S velocity {k} (m/s)": ready.column(f"velocity.{k}") for k in "xy"}
+    return {"t (s)": ready.t, **rate}
+
+
+def _predicted(result: Result, seen: Measured) -> dict[str, Column]:
+    """Base rate, position and velocity of S; where S is on average is not predicted."""
+    prediction = predict(result, seen.ready)
+    v_S = prediction.v_S[:, :2]
+    r_S = cumulative_trapezoid(v_S, prediction.t, axis=0, initial=0)
+    r_S += np.mean(seen.raw.vector("position")[:, :2] - r_S, axis=0)
+    columns = {"base rate z predicted (rad/s)": prediction.w[:, 2]}
+    for k, axis in enumerate("xy"):
+        columns[f"S {axis} predicted (m)"] = r_S[:, k]
+        columns[f"S velocity {axis} predicted (m/s)"] = v_S[:, k]
+    return columns
+
+
+def _named(columns: Mapping[str, Column], *names: str) -> dict[str, Column]:
+    return {name: columns[name] for name in names}

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import ONE_RUN, Errors, SeedRuns, Series
+from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import EstimatedParameters
@@ -34,10 +34,7 @@ from orbident.model.paper_bases import (
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.robot_file import load_robot
-from orbident.robot.sensor_schema import SensorsSpec
-from orbident.simulation.free_floating import FreeFloating
-from orbident.simulation.measure import measure
+from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import float_along, motion_recording, simulate
 from orbident.studies import paper_tables
 from orbident.studies.paper_method import (
@@ -47,40 +44,13 @@ from orbident.studies.paper_method import (
     from_imu,
     paper_method,
 )
-from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar import planar_trajectory
-from orbident.trajectories.trajectory import InitialState, Trajectory
-
-
-def spatial_robot() -> Robot:
-    """Table 1's servicer."""
-    return load_robot("paper-spatial")
-
-
-def spatial_trajectory(robot: Robot) -> Trajectory:
-    """Table 2's exciting trajectory with Table 3's initial conditions."""
-    at_rest = np.zeros((len(robot.joints), 3))
-    speeds = {
-        wheel.name: momentum / wheel.inertia
-        for wheel, momentum in zip(
-            robot.wheels, paper_tables.SPATIAL_WHEEL_MOMENTUM, strict=True
-        )
-    }
-    return Trajectory(
-        duration=paper_tables.SPATIAL_DURATION,
-        joints=robot.joint_names,
-        a=np.array(paper_tables.SPATIAL_A),
-        b=np.array(paper_tables.SPATIAL_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(
-            angular_velocity=np.array(paper_tables.SPATIAL_ANGULAR_VELOCITY),
-            attitude=np.array(paper_tables.SPATIAL_ATTITUDE),
-            wheel_speed=speeds,
-        ),
-        source="Table 2",
-    )
-
+from orbident.studies.paper_tables import (
+    PaperRow,
+    planar_trajectory,
+    spatial_robot,
+    spatial_trajectory,
+)
+from orbident.trajectories.trajectory import Trajectory
 
 LARGEST_ERROR = 1e-6
 """Relative. Without noise only rounding is left, some 1e-14."""
@@ -165,21 +135,6 @@ def _planar(robot: Robot) -> _Case:
     return spinning, columns, paper_tables.PLANAR_CONDITION
 
 
-def sensors_alone(sensors: SensorsSpec, noisy: str) -> SensorsSpec:
-    """Sensors of which only one is noisy; the others are ideal.
-
-    Args:
-        sensors: of a robot.
-        noisy: the sensor that keeps its noise.
-    """
-    others = {
-        name: sensor.ideal()
-        for name, sensor in sensors.declared.items()
-        if name != noisy
-    }
-    return sensors.model_copy(update=others)
-
-
 EXACT = 1e-9
 """Relative error below which a noise-free parameter counts as recovered,"""
 
@@ -192,7 +147,7 @@ which takes fewer than its exact size."""
 
 
 @dataclass(frozen=True)
-class SpatialStudy:
+class SpatialStudy(StudyRuns):
     """Table 4 and everything it was made from."""
 
     rows: tuple[PaperRow, ...]
@@ -209,10 +164,6 @@ class SpatialStudy:
     """The recording of the first seed, as the sensors have it."""
     result: Result
     """The result of the first seed."""
-    seeds: int
-    rejected: int
-    """Seeds whose result was."""
-    elapsed_s: float
 
     @property
     def trusted(self) -> bool:
@@ -232,9 +183,7 @@ class SpatialStudy:
                 sensor: nulled(rms) for sensor, rms in self.by_sensor.items()
             },
             "condition_number": self.condition_number,
-            "seeds": self.seeds,
-            "rejected": self.rejected,
-            "elapsed_s": self.elapsed_s,
+            **self.counts,
         }
 
 
@@ -261,14 +210,16 @@ def run_spatial(
     motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
     table = PaperParameters.of(robot, spatial_columns)
     filters = Filters()
-    noisy = _NoisyMotion(robot, trajectory, motion, table, filters, method)
-    bound, by_sensor = None, {}
+    true = truth_of(robot, motion, trajectory)
+    noisy = _NoisyMotion(robot, trajectory, motion.t, true, table, filters, method)
+    by_sensor, over = {}, np.full((3, table.true.size), np.nan)
     if noise == "none":
         recording = motion_recording(robot, motion)
-        result, errors = noisy.identified(recording), None
+        result = noisy.identified(recording)
+        runs, rejected = ONE_RUN, result.status == "rejected"
     else:
         first = recording, result = noisy.run(runs.first)
-        bound = bound_of(robot, trajectory).parameters
+        least = _bounds(table, bound_of(robot, trajectory).parameters)
         sensors = list(robot.sensors.declared) if method == "paper" else []
         some = runs.numbers[:SEEDS_BY_SENSOR]
         errors, *parts = runs.over(
@@ -276,8 +227,10 @@ def run_spatial(
             *(Series(noisy.alone(each).run, some, noisy.errors_of) for each in sensors),
         )
         by_sensor = {s: part.rms for s, part in zip(sensors, parts, strict=True)}
+        over = np.stack([errors.rms, errors.worst, least])
+        rejected = np.isnan(errors.runs).any(axis=1).sum()
     return SpatialStudy(
-        rows=_rows(table, result, errors, bound),
+        rows=_rows(table, result, over, noise == "paper"),
         by_sensor=by_sensor,
         cut_offs=filters.cut_offs,
         condition_number=condition_in_basis(table.basis, result),
@@ -286,12 +239,8 @@ def run_spatial(
         trajectory=trajectory,
         recording=recording,
         result=result,
-        seeds=runs.seeds if errors is not None else 1,
-        rejected=int(
-            result.status == "rejected"
-            if errors is None
-            else np.isnan(errors.runs).any(axis=1).sum()
-        ),
+        seeds=runs.seeds,
+        rejected=int(rejected),
         elapsed_s=time.perf_counter() - started,
     )
 
@@ -310,31 +259,20 @@ def _bounds(
 def _rows(
     table: PaperParameters,
     result: Result,
-    errors: Errors | None,
-    bound: EstimatedParameters | None,
+    over: Float[np.ndarray, "3 parameters"],
+    noisy: bool,
 ) -> tuple[PaperRow, ...]:
+    """Table 4; `over` the seeds RMS and worst error, and the least RMS that can be."""
     # The paper prints no true value of M; Table 1's masses add up to it.
     printed = {
         **paper_tables.SPATIAL_TRUE,
         "M": (None, None, paper_tables.SPATIAL_MASS_ERROR),
     }
-    unknown = np.full(table.true.size, np.nan)
-    rms = unknown if errors is None else errors.rms
-    worst = unknown if errors is None else errors.worst
-    least = unknown if bound is None else _bounds(table, bound)
+    columns = table.true, table.found(result), *over
     return tuple(
-        PaperRow(
-            name=name,
-            paper_true=paper_true,
-            paper_error_percent=exact if errors is None else noisy,
-            true=float(true),
-            estimate=float(found),
-            rms_error_percent=float(rms[k]),
-            worst_error_percent=float(worst[k]),
-            cramer_rao_percent=float(least[k]),
-        )
-        for k, ((name, (paper_true, exact, noisy)), true, found) in enumerate(
-            zip(printed.items(), table.true, table.found(result), strict=True)
+        PaperRow(name, true, with_noise if noisy else exact, *map(float, numbers))
+        for (name, (true, exact, with_noise)), *numbers in zip(
+            printed.items(), *columns, strict=True
         )
     )
 
@@ -344,17 +282,26 @@ class _NoisyMotion(NamedTuple):
 
     robot: Robot
     trajectory: Trajectory
-    motion: FreeFloating
+    t: Float[np.ndarray, " rows"]
+    true: Truth
     table: PaperParameters
     filters: Filters
     method: Literal["paper"] | Method
 
     def alone(self, sensor: str) -> "_NoisyMotion":
-        sensors = sensors_alone(self.robot.sensors, sensor)
-        return self._replace(robot=replace(self.robot, sensors=sensors))
+        """The same with the noise of one sensor; the others are ideal."""
+        sensors = self.robot.sensors
+        ideal = {
+            name: each.ideal()
+            for name, each in sensors.declared.items()
+            if name != sensor
+        }
+        return self._replace(
+            robot=replace(self.robot, sensors=sensors.model_copy(update=ideal))
+        )
 
     def run(self, seed: int) -> tuple[Recording, Result]:
-        recording = measure(self.robot, self.motion, self.trajectory, seed)
+        recording = measure_truth(self.robot, self.t, self.true, seed)
         if self.method != "paper":
             return recording, self.identified(recording)
         initial = self.trajectory.initial

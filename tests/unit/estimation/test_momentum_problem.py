@@ -26,7 +26,7 @@ from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import simulate
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 SPAN = 2**10
 ROWS = 5 * SPAN + 3000

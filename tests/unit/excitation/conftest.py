@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.robot.robot_file import load_robot
-from orbident.studies.spatial import spatial_trajectory
+from orbident.studies.paper_tables import spatial_trajectory
 
 
 @pytest.fixture(scope="session")

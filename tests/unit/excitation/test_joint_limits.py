@@ -4,18 +4,26 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.excitation.conditions import limits_of
+from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.joint_limits import (
     check_ends,
     inner_point,
     joint_motions,
     polytope_of,
 )
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.robot_file import load_robot
 
 NAMES = ("joint1", "joint2")
 FREE = dict(enumerate(NAMES))
 STILL = np.zeros((2, 3))
+
+
+def motions_to(end, duration, limits):
+    """From rest at zero, with three harmonics."""
+    robot = load_robot("cepheus-like")
+    given = conditions_for(robot, duration, 3, limits)
+    return joint_motions(replace(given, end=end), coupled_joints(robot), 101)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +66,7 @@ def test_a_limit_that_cannot_be_is_refused(robot, found):
 
 def test_limits_of_sizes_too_different_are_refused(robot):
     limits = limits_of(robot, acceleration=1e-15)
-    motions = joint_motions(STILL, STILL, 1e-9, 3, limits, 101)
+    motions = motions_to(STILL, 1e-9, limits)
     with pytest.raises(InputError, match="'joint1': no motion could be found"):
         inner_point(polytope_of(motions, limits), limits, FREE)
 
@@ -66,7 +74,7 @@ def test_limits_of_sizes_too_different_are_refused(robot):
 def test_slack_is_the_distance_from_the_limits(robot):
     """Against the histories themselves, row by row."""
     limits = limits_of(robot, acceleration=2.0)
-    motions = joint_motions(STILL, STILL, 20.0, 3, limits, 101)
+    motions = motions_to(STILL, 20.0, limits)
     polytope = polytope_of(motions, limits)
     y = 0.3 * np.random.default_rng(0).standard_normal((2, 6))
     q, qd, qdd = (
@@ -85,7 +93,7 @@ def test_slack_is_the_distance_from_the_limits(robot):
 
 def test_reach_ends_at_a_limit(robot):
     limits = limits_of(robot)
-    motions = joint_motions(STILL, STILL, 20.0, 3, limits, 101)
+    motions = motions_to(STILL, 20.0, limits)
     polytope = polytope_of(motions, limits)
     y, step = np.zeros((2, 6)), np.random.default_rng(0).standard_normal((2, 6))
     there = y + polytope.reach(y, step)[:, None] * step
@@ -98,7 +106,7 @@ def test_too_short_a_duration_names_the_limit_and_by_how_much(robot):
     end = STILL.copy()
     end[0, 0] = 2.0
     # 2 rad in 2 s: no faster than 0.7 rad/s leads only 1.4 rad far.
-    motions = joint_motions(STILL, end, 2.0, 3, limits, 101)
+    motions = motions_to(end, 2.0, limits)
     with pytest.raises(InputError, match=r"'joint1': velocity: .* 0\.7 .* by \d+ %"):
         inner_point(polytope_of(motions, limits), limits, FREE)
 
@@ -107,7 +115,7 @@ def test_an_inner_point_is_inside(robot):
     limits = limits_of(robot)
     end = STILL.copy()
     end[0, 0] = 2.0
-    motions = joint_motions(STILL, end, 6.0, 3, limits, 101)
+    motions = motions_to(end, 6.0, limits)
     polytope = polytope_of(motions, limits)
     assert polytope.slack(inner_point(polytope, limits, FREE)).min() > 0
 

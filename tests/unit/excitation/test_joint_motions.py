@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from orbident.excitation.conditions import limits_of
+from orbident.excitation.conditions import conditions_for
 from orbident.excitation.joint_limits import joint_motions
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import Trajectory
 
@@ -20,8 +23,10 @@ def ends():
 
 @pytest.fixture(scope="module")
 def motions(ends):
-    limits = limits_of(load_robot("cepheus-like"))
-    return joint_motions(ends[0], ends[1], DURATION, HARMONICS, limits, NODES)
+    robot = load_robot("cepheus-like")
+    given = conditions_for(robot, DURATION, HARMONICS)
+    given = replace(given, start=ends[0], end=ends[1])
+    return joint_motions(given, coupled_joints(robot), NODES)
 
 
 def test_a_motion_is_its_coefficients(motions, ends):

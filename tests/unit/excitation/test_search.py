@@ -12,9 +12,9 @@ from orbident.excitation.search import (
     OUTSIDE,
     Effort,
     Feasible,
+    JointSearch,
     Searched,
     SearchSpace,
-    search,
 )
 
 
@@ -33,7 +33,7 @@ def case(emulator, given):
 
 
 def run(case, effort, seed=0, report=lambda _: None) -> Searched:
-    return search([case], effort, seed, report)
+    return JointSearch(effort, report, [case], seed).run()
 
 
 def test_descends_inside_the_limits(case):

@@ -11,11 +11,10 @@ from orbident.estimation.identify import identify
 from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.design import design_excitation, design_recordings
-from orbident.excitation.sampled_trajectory import motion_table, sampled
 from orbident.excitation.table_points import TableSize
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.simulate import simulate
+from orbident.simulation.simulate import motion_table, sampled, simulate
 
 SENSORS = (
     "sensors:\n  position: {std: 0.3 mm, rate: 20}\n"
@@ -99,6 +98,9 @@ def test_in_space_with_wheels(tmp_path: Path):
     assert bound_of(robot, motion).parameters.base.determined.all()
     with pytest.raises(InputError, match="flies in space"):
         designed(robot, table=TableSize(1.0, 1.0))
+    # They spin at 200 rad/s from the start.
+    with pytest.raises(InputError, match="none of 20 random sequences"):
+        designed(robot, duration=2.0, wheel_speed=100.0)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from scipy.signal import periodogram
 
 from orbident.errors import InputError
 from orbident.preprocessing.low_pass import HIGHEST, choose_cut_off, low_pass
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 RATE, STD = 20.0, 1e-3
 T = np.arange(1601) / RATE

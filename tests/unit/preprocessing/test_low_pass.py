@@ -4,7 +4,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from orbident.errors import InputError
 from orbident.preprocessing.low_pass import low_pass, require_even
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 RATE = 100.0
 T = np.arange(2000) / RATE

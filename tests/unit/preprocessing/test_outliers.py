@@ -6,7 +6,7 @@ from orbident.errors import InputError
 from orbident.preprocessing.outliers import find_spikes
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 STD = 2.5e-5
 

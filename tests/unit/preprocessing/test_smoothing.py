@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from orbident.errors import InputError
 from orbident.preprocessing.rates import spline_rates
 from orbident.preprocessing.smoothing import Column, most_likely, smooth
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 
 ENCODER = 2.5e-5
 """rad, Section 3.5."""

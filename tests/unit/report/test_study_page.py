@@ -7,7 +7,7 @@ import pytest
 
 from orbident.report.study_page import draw_errors, draw_figures
 from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar_run import PaperFigure
+from orbident.studies.run_planar import PaperFigure
 
 T = np.linspace(0, 1, 50)
 FIGURES = {

@@ -3,8 +3,8 @@ import pytest
 from random_robots import random_quaternion
 from scipy.spatial.transform import Rotation
 
-from orbident.robot.sensor_schema import AttitudeSpec, EncoderSpec, PositionSpec
-from orbident.simulation.sensor import read_angles, read_attitude, read_position
+from orbident.robot.sensor_schema import AttitudeSpec, PositionSpec
+from orbident.simulation.sensor import read_attitude, read_position, read_scalars
 
 ANGLES = np.linspace(-3.0, 300.0, 100_000)[:, None]
 ATTITUDES = np.array([random_quaternion(np.random.default_rng(k)) for k in range(20)])
@@ -15,16 +15,14 @@ def random(seed=0):
 
 
 def test_encoder_noise_is_the_papers():
-    error = read_angles(EncoderSpec(position=2.5e-5), ANGLES, 0.05, random()) - ANGLES
+    error = read_scalars(2.5e-5, 0.0, ANGLES, 0.05, random()) - ANGLES
     # 1e5 samples: 0.22 %.
     assert error.std() == pytest.approx(2.5e-5, rel=0.01)
 
 
 def test_encoder_counts():
     count = 2 * np.pi / 2**12
-    shown = read_angles(
-        EncoderSpec(position=0.0, resolution=count), ANGLES, 0.05, random()
-    )
+    shown = read_scalars(0.0, count, ANGLES, 0.05, random())
     assert np.abs(shown - ANGLES).max() <= count / 2 * (1 + 1e-9)
     # Counted over full turns: 303 rad are 197 532 counts.
     assert np.unique(np.round(shown / count)).size > 50_000
@@ -32,9 +30,7 @@ def test_encoder_counts():
 
 def test_noise_comes_before_counting():
     count = 1e-3
-    shown = read_angles(
-        EncoderSpec(position=5e-3, resolution=count), ANGLES, 0.05, random()
-    )
+    shown = read_scalars(5e-3, count, ANGLES, 0.05, random())
     np.testing.assert_allclose(shown / count, np.round(shown / count), atol=1e-6)
     # The variances add (Sheppard).
     expected = np.hypot(5e-3, count / np.sqrt(12))

@@ -238,10 +238,9 @@ def test_robot_without_joints_and_wheels():
     np.testing.assert_allclose(run.h_cm, run.h_cm[[0] * 11], atol=1e-10)
 
 
-def bouncing(*shape: int) -> OpenLoop:
+def bouncing(t: np.ndarray) -> np.ndarray:
     """A relay: no step is small enough for its jumps."""
-    relay = np.full(shape, 5.0)
-    return OpenLoop(lambda t: np.multiply.outer(np.sign(np.sin(900.0 * t)), relay))
+    return np.multiply.outer(np.sign(np.sin(900.0 * t)), np.full(2, 5.0))
 
 
 HEAVY = replace(ROBOT, wheels=(Wheel("rw", np.array([0.0, 0.0, 1.0]), 50.0),))
@@ -250,41 +249,6 @@ HEAVY = replace(ROBOT, wheels=(Wheel("rw", np.array([0.0, 0.0, 1.0]), 50.0),))
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"t": T[::-1].copy()}, "the sample times do not increase"),
-        ({"t": np.array([0.0, np.nan])}, "the sample times do not increase"),
-        ({"t": np.zeros(0)}, "no sample times"),
-        (
-            {"command": Hold(np.zeros(3))},
-            r"joint positions commanded: found shape \(3,\)",
-        ),
-        (
-            {"start": START._replace(q=np.zeros(1))},
-            r"joint positions at the start: found shape \(1,\), expected \(2,\)",
-        ),
-        (
-            {"joints": JointPD(Kp=np.zeros(3), Kd=np.zeros(3))},
-            r"the law of the joints is not for 2 of them: .*\(3,\)",
-        ),
-        (
-            {"wheels": WheelSpeed(k=np.ones(3), speed=np.ones(3))},
-            r"the law of the wheels is not for 2 of them: .*\(3,\)",
-        ),
-        (
-            {"joints": bouncing(2, 2)},
-            r"torques of the joints: found shape \(2, 2\), expected \(2,\)",
-        ),
-        (
-            {"joints": ComputedTorque(ROBOT, Spin(LEVEL, np.zeros(3)), 1.0, 1.0)},
-            "computed torque moves joints and wheels together",
-        ),
-        (
-            {"limits": WheelLimits(np.ones(1), np.ones(1))},
-            r"torque limits of the wheels: found shape \(1,\), expected \(2,\)",
-        ),
-        (
-            {"limits": WheelLimits(np.ones(2), np.array([1.0, 0.0]))},
-            "speed limits of the wheels: found .*; give positive numbers",
-        ),
         ({"pulses": [Pulse("t1", 0.0, 1.0, 1.0)]}, "no thruster 't1'"),
         (
             {"robot": replace(ROBOT, theta=np.diag([1.0, 1, 0]) @ ROBOT.theta)},
@@ -311,4 +275,4 @@ def test_planar_robot_must_start_in_its_plane():
 def test_motion_that_does_not_settle(monkeypatch):
     monkeypatch.setattr("orbident.simulation.free_flying.MOST_STEPS", 2000)
     with pytest.raises(InputError, match="random-1: the motion does not settle: with"):
-        fly(joints=bouncing(2))
+        fly(joints=OpenLoop(bouncing))

@@ -9,7 +9,7 @@ from orbident.model.rotations import quaternion_matrix
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.free_floating import BaseState, free_floating
-from orbident.simulation.measure import measure
+from orbident.simulation.measure import measure_truth, truth_of
 from orbident.simulation.simulate import sample_times, simulate
 
 EVERYTHING = {
@@ -53,8 +53,13 @@ def with_sensors(sensors, robot=ROBOT):
     return replace(robot, sensors=declared_sensors(sensors))
 
 
+def measure(robot, motion, seed=0, truth=False):
+    true = truth_of(robot, motion, TRAJECTORY.for_robot(robot))
+    return measure_truth(robot, motion.t, true, seed, truth)
+
+
 def measured(sensors, seed=0, **options):
-    return measure(with_sensors(sensors), MOTION, TRAJECTORY, seed, **options)
+    return measure(with_sensors(sensors), MOTION, seed, **options)
 
 
 def test_all_that_is_declared_is_measured_and_nothing_else():
@@ -76,7 +81,7 @@ def test_joint_positions_are_exact_without_encoders():
 @pytest.mark.parametrize("robot", [ROBOT, FREE], ids=["held wheels", "free wheels"])
 def test_exact_sensors_show_the_truth(robot):
     motion = motion_of(robot)
-    recording = measure(with_sensors(EXACT, robot), motion, TRAJECTORY, truth=True)
+    recording = measure(with_sensors(EXACT, robot), motion, truth=True)
     for name, values in recording.columns.items():
         if not name.startswith("truth."):
             # The attitude is normalised once more: rounding.
@@ -92,7 +97,7 @@ def test_exact_sensors_show_the_truth(robot):
 def test_wheel_angles_are_integrals_of_the_wheel_speeds(robot):
     def angles(rate):
         motion = motion_of(robot, rate)
-        recording = measure(with_sensors(EXACT, robot), motion, TRAJECTORY, truth=True)
+        recording = measure(with_sensors(EXACT, robot), motion, truth=True)
         columns = ("truth.wheel.rw_y.position", "truth.wheel.rw_y.speed")
         return np.column_stack([recording.column(name) for name in columns])
 
@@ -108,7 +113,7 @@ def test_wheel_angles_are_integrals_of_the_wheel_speeds(robot):
 
 def test_the_accelerometer_integrates_to_the_velocity():
     motion = motion_of(ROBOT, 200.0)
-    recording = measure(with_sensors(EXACT), motion, TRAJECTORY)
+    recording = measure(with_sensors(EXACT), motion)
     R_WB = np.asarray(quaternion_matrix(motion.attitude))
     a_S = np.einsum("nij,nj->ni", R_WB, recording.vector("accelerometer"))
     change = 0.005 * (a_S[1:] + a_S[:-1]).sum(axis=0) / 2

@@ -6,7 +6,7 @@ import pytest
 from orbident.campaigns.seeds import SeedRuns
 from orbident.robot.parameters import inertia_about_com
 from orbident.studies.control import FACTOR, off_by, run_control, tracked
-from orbident.studies.spatial import spatial_robot
+from orbident.studies.paper_tables import spatial_robot
 
 
 def test_every_cad_value_is_off():

@@ -10,8 +10,8 @@ from orbident.excitation.guarantee import extremes_of
 from orbident.excitation.scores import compare_trajectories
 from orbident.report.study_page import write_study_report
 from orbident.robot.units import STANDARD_GRAVITY
-from orbident.studies import table_flights
-from orbident.studies.planar import planar_trajectory
+from orbident.studies import run_table as table_study
+from orbident.studies.paper_tables import planar_trajectory
 from orbident.studies.run_table import FAR, TableStudy, run_table
 from orbident.studies.spatial import paper_case
 from orbident.trajectories.environment import Environment
@@ -21,16 +21,16 @@ from orbident.trajectories.environment import Environment
 def slow_sensors() -> TableStudy:
     """A fifth of the samples: seconds instead of a minute."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(table_flights.SENSORS, "rate", 10.0)
+        patch.setitem(table_study.SENSORS, "rate", 10.0)
         return run_table(SeedRuns(first=3))
 
 
 def test_the_wheel_spins_up_from_rest_by_a_torque_that_ends():
-    robot = table_flights.table_robot()
-    flight = table_flights.fly_table(robot, planar_trajectory(robot))
+    robot = table_study.table_robot()
+    flight = table_study.fly_table(robot, planar_trajectory(robot))
     assert not flight.v_S[0].any()
     assert not flight.qd_rw[0].any()
-    spun_up = flight.t > table_flights.SPIN_UP
+    spun_up = flight.t > table_study.SPIN_UP
     assert np.abs(flight.tau_rw).max() < 0.05
     assert np.abs(flight.tau_rw[spun_up]).max() < 1e-12
     # Against the inertial frame the rotor turns as fast as the paper's.
@@ -40,11 +40,11 @@ def test_the_wheel_spins_up_from_rest_by_a_torque_that_ends():
 
 def test_what_a_result_may_name_is_what_the_table_does():
     """At the CM's first place, the pull is that of the environment there."""
-    robot = table_flights.table_robot()
-    given = table_flights.table_environment(robot)
+    robot = table_study.table_robot()
+    given = table_study.table_environment(robot)
     motion = planar_trajectory(robot)
-    true = table_flights.truly_acting(robot, motion)
-    x, y, _ = table_flights.fly_table(robot, motion).r_cm[0]
+    true = table_study.truly_acting(robot, motion)
+    x, y, _ = table_study.fly_table(robot, motion).r_cm[0]
     assert given.tilt is not None
     expected = STANDARD_GRAVITY * given.tilt[0] + 8e-5 * x - 5e-5 * y
     assert true["pull.x"] == pytest.approx(expected, rel=1e-12)
@@ -54,9 +54,9 @@ def test_what_a_result_may_name_is_what_the_table_does():
 
 def test_our_motion_is_designed_for_a_table():
     """Within the paper's limits, and worth what a search said of it."""
-    robot = table_flights.table_robot()
+    robot = table_study.table_robot()
     case = paper_case(robot)
-    paper, ours = table_flights.table_motions(robot)
+    paper, ours = table_study.table_motions(robot)
     assert ours.duration == paper.duration
     np.testing.assert_array_equal(ours.start, case.conditions.start)
     np.testing.assert_array_equal(ours.end, case.conditions.end)

@@ -20,7 +20,7 @@ from orbident.robot.sensor_schema import AttitudeSpec
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import Made, made_along
 from orbident.studies import paper_tables
-from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment
 
 MANY = 20

@@ -24,7 +24,7 @@ from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import may_act
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
-from orbident.studies.spatial import spatial_trajectory
+from orbident.studies.paper_tables import spatial_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory
