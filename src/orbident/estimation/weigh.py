@@ -35,7 +35,7 @@ from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import Wrenches, recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 from orbident.robot.units import MeasuredQuantity
 
 Vectors = Float[np.ndarray, "n 3"]

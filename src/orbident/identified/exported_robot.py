@@ -26,8 +26,7 @@ from orbident.model.rotor_momentum import (
     rotors_of,
     theta_with_rotors,
 )
-from orbident.robot.description import Coupling, Joint, Robot, Wheel
-from orbident.robot.friction import Friction
+from orbident.robot.description import Coupling, Friction, Joint, Robot, Wheel
 from orbident.robot.fusing import fused
 from orbident.robot.oddities import nonphysical
 from orbident.robot.parameters import (

@@ -36,8 +36,8 @@ from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import recorded_thrust
 from orbident.recordings.recording import Recording
+from orbident.robot.joint_schema import require_measured
 from orbident.robot.parameters import cross_matrix
-from orbident.robot.passive_joints import require_measured
 from orbident.simulation.free_floating import RateLaw, float_attitude, rate_law
 
 TOLERANCE = 1e-8

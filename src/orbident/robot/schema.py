@@ -32,11 +32,9 @@ from orbident.robot.description import (
     Thruster,
     Torquer,
 )
-from orbident.robot.friction import FrictionSection
-from orbident.robot.geared_rotors import RotorSection
+from orbident.robot.joint_schema import FrictionSection, PassiveSection, RotorSection
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
-from orbident.robot.passive_joints import PassiveSection
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerance_schema import ToleranceSection, TolerancesEntry
 
