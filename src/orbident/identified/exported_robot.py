@@ -19,13 +19,13 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import links_of
-from orbident.model.minimal_sets import minimal_sets
-from orbident.model.rotor_momentum import (
+from orbident.model.core_robot import (
     lacking_rotors,
     rotor_deviations,
     rotors_of,
     theta_with_rotors,
 )
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Coupling, Friction, Joint, Robot, Wheel
 from orbident.robot.fusing import fused
 from orbident.robot.oddities import nonphysical

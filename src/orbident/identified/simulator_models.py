@@ -30,7 +30,7 @@ from orbident.identified.exported_robot import (
     unused,
 )
 from orbident.identified.urdf_export import add_comment
-from orbident.model.rotor_momentum import theta_with_rotors
+from orbident.model.core_robot import theta_with_rotors
 from orbident.robot.description import NO_FRICTION, Friction, Joint, Robot
 from orbident.robot.formats.urdf_text import roll_pitch_yaw, spaced
 from orbident.robot.parameters import (

@@ -8,8 +8,8 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.schema_parts import validated
+from orbident.model.core_robot import lacking_rotors
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.rotor_momentum import lacking_rotors
 from orbident.robot.description import Robot
 from orbident.robot.formats.urdf_text import inertial_element
 from orbident.robot.fusing import Placement, fused

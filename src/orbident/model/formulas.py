@@ -11,12 +11,12 @@ from jaxtyping import Float
 from scipy.sparse import csr_array, hstack
 
 from orbident.files.names import listed
-from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotor_momentum import (
+from orbident.model.core_robot import (
     geared_joints,
     rotor_directions,
     undeclared_rotors,
 )
+from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS, PER_BODY, SYMBOLS
 from orbident.threads import one_blas_thread

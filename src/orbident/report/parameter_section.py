@@ -20,7 +20,7 @@ from orbident.estimation.quantities import (
 )
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
-from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
+from orbident.model.core_robot import IN_FORMULAS, geared_joints
 from orbident.report.charts import heat_map, interval_list, shares_across
 from orbident.report.page import Chart, Section
 

@@ -24,7 +24,7 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.estimation.output_error.shooting import Intervals
 from orbident.estimation.unknowns import DRIVE, CalibrationFit, DriveFit
-from orbident.model.rotor_momentum import rotors_of
+from orbident.model.core_robot import rotors_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import NO_FRICTION, Robot
 
