@@ -27,7 +27,7 @@ from orbident.robot.description import (
     Robot,
     Structure,
 )
-from orbident.robot.tolerance_schema import EVERY
+from orbident.robot.tolerances import EVERY
 from orbident.robot.urdf import Urdf
 
 

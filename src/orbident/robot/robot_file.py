@@ -12,9 +12,8 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.files.schema_parts import validated
+from orbident.files.schema_parts import read_yaml_mapping, validated
 from orbident.files.text import read_text, refuse_pipe, write_text
-from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.description import (
@@ -37,7 +36,7 @@ from orbident.robot.joint_schema import (
 )
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
-from orbident.robot.tolerance_schema import EVERY
+from orbident.robot.tolerances import EVERY
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
 
