@@ -336,7 +336,7 @@ def _beside_scales(mass: Quantity, scales: MeasuredQuantity) -> tuple[str, ...]:
 def _check_locked(robot: Robot, recording: Recording) -> None:
     for name, joint in zip(robot.joint_names, robot.joints, strict=True):
         column = f"joint.{name}.position"
-        q = recording.column(column)
+        q = recording.columns[column]
         where = f"{recording.source}: column '{column}'"
         if np.isnan(q).all():
             raise InputError(f"{where}: has no sample; record that the joint is locked")

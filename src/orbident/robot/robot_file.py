@@ -255,18 +255,20 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
         MissingLibraryError: the extra that this kind of file needs is not installed.
     """
     if isinstance(source, Mapping):
+        path, place = Path("robot.yaml"), "robot"
         document = {"schema": _SCHEMA, **_plain(source)}
-        return _described(document, Path("robot.yaml"), "robot")
-    if str(source) in bundled_robots():
-        return _from_robot_file(_library() / f"{source}.yaml", place=str(source))
-    path = Path(source)
-    refuse_pipe(path, "the robot")
-    suffix = path.suffix.lower()
-    if suffix in _YAML:
-        return _from_robot_file(path, place=str(path))
-    if suffix in SUFFIXES:
-        return _from_model(path)
-    raise InputError(_not_a_robot(path))
+    else:
+        path, place = Path(source), str(source)
+        if place in bundled_robots():
+            path = _library() / f"{place}.yaml"
+        refuse_pipe(path, "the robot")
+        suffix = path.suffix.lower()
+        if suffix in SUFFIXES:
+            return _from_model(path)
+        if suffix not in _YAML:
+            raise InputError(_not_a_robot(path))
+        document = read_yaml_mapping(read_text(path), place, _SCHEMA)
+    return _described(document, path, place)
 
 
 def _plain(value: Any) -> Any:
@@ -342,11 +344,6 @@ def _from_model(path: Path) -> Robot:
     document = {"schema": _SCHEMA, "name": urdf.name, "urdf": path.name}
     file = validated(RobotFile, document, str(path))
     return assembled(file, document, urdf, text, str(path))
-
-
-def _from_robot_file(path: Path, place: str) -> Robot:
-    document = read_yaml_mapping(read_text(path), place, _SCHEMA)
-    return _described(document, path, place)
 
 
 def _described(document: dict[Any, Any], path: Path, place: str) -> Robot:
