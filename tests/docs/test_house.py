@@ -11,12 +11,12 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 318,
-    "lines": 61_843,
-    "files of estimation": 50,
-    "lines of estimation": 11_455,
-    "files with one user": 69,
-    "imports below each other": 31,
+    "files": 301,
+    "lines": 61_713,
+    "files of estimation": 48,
+    "lines of estimation": 11_432,
+    "files with one user": 67,
+    "imports below each other": 29,
     "numbers without a reason": 38,
 }
 
