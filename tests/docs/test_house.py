@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 301,
-    "lines": 61_713,
+    "files": 300,
+    "lines": 61_708,
     "files of estimation": 48,
     "lines of estimation": 11_432,
-    "files with one user": 67,
+    "files with one user": 66,
     "imports below each other": 29,
     "numbers without a reason": 38,
 }
