@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from manoeuvres import dual_arm, excitation
 
+from orbident.estimation.base_parameters import mass_of
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import fit
-from orbident.estimation.mass import mass_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.simulation.simulate import simulate

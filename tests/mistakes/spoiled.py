@@ -9,7 +9,7 @@ from recordings import Clean, designed
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.tolerance_schema import TolerancesEntry
+from orbident.robot.schema import TolerancesEntry
 
 
 @dataclass(frozen=True, eq=False)

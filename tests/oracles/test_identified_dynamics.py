@@ -21,8 +21,7 @@ from random_motions import random_motion
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.identified.exported_robot import exported_robot
-from orbident.identified.urdf_export import exported_urdf
+from orbident.identified.exported_robot import exported_robot, exported_urdf
 from orbident.model.equations_of_motion import equations_of_motion, jacobian, movable
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot

@@ -28,8 +28,7 @@ from orbident.model.core_robot import core_tree
 from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.robot.description import GearedRotor, Robot
-from orbident.robot.friction import Friction
+from orbident.robot.description import Friction, GearedRotor, Robot
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.free_floating import BaseState, free_floating

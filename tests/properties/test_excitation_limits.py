@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from orbident.robot.couplings import coupled_joints
 from random_robots import random_planar_robot, random_robot, random_wheels
 
 from orbident.errors import InputError
@@ -18,7 +19,6 @@ from orbident.excitation.design import (
 )
 from orbident.excitation.guarantee import NODES, floated, proven_within
 from orbident.excitation.joint_limits import inner_point, joint_motions, polytope_of
-from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import Trajectory
 

@@ -33,7 +33,7 @@ from orbident.excitation.guarantee import floated
 from orbident.robot.description import Robot
 from orbident.robot.may_act import MayAct
 from orbident.robot.robot_file import load_robot
-from orbident.robot.tolerance_schema import TolerancesEntry
+from orbident.robot.schema import TolerancesEntry
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.studies.spatial import paper_case
 from orbident.threads import at_hand

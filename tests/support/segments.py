@@ -12,10 +12,9 @@ from orbident import _core
 from orbident.estimation.output_error.problem import NO_ROWS, NOTHING, SENSORS
 from orbident.estimation.solution import OUTSIDE, Linear, Unknowns
 from orbident.model.core_robot import core_tree, wheels_of
-from orbident.model.kinematics import inertia_at
+from orbident.model.kinematics import carried_inertia, inertia_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.springs import carried_inertia
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import free_floating
 from orbident.simulation.measure import accelerations

@@ -16,9 +16,14 @@ from orbident.choices import Method
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST
 from orbident.files.names import first_duplicate, quoted, suggestion
-from orbident.files.schema_parts import MappingSchema, Name, WrongValueError, validated
+from orbident.files.schema_parts import (
+    MappingSchema,
+    Name,
+    WrongValueError,
+    read_yaml_mapping,
+    validated,
+)
 from orbident.files.text import read_text
-from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.robot.units import quantity
 from orbident.trajectories.environment import Environment
 

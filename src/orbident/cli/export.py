@@ -190,9 +190,9 @@ def write_model(output: Any, result: Any, out: Path) -> None:
 
 def _model_text(made: Any, suffix: str) -> tuple[str, str]:
     """The file, and what is said of motors' rotors that are not in it."""
+    from orbident.identified.exported_robot import NO_ROTORS, exported_urdf
     from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
-    from orbident.identified.urdf_export import NO_ROTORS, exported_urdf
-    from orbident.model.rotor_momentum import lacking_rotors
+    from orbident.model.core_robot import lacking_rotors
 
     if suffix == ".urdf":
         text = exported_urdf(made.robot, made.robot.theta)

@@ -9,11 +9,11 @@ from typing import Any
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.quantities import (
     HEAD,
-    named,
     parameter_line,
     parameter_rows,
 )
-from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
+from orbident.model.core_robot import IN_FORMULAS, geared_joints
+from orbident.model.formulas import named
 from orbident.report.parameter_section import (
     TITLES,
     drive_table,

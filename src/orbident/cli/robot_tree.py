@@ -8,6 +8,7 @@ from rich.tree import Tree
 from orbident.robot.description import (
     NO_ROTOR,
     Coupling,
+    Friction,
     GearedRotor,
     Joint,
     Passive,
@@ -15,7 +16,6 @@ from orbident.robot.description import (
     Wheel,
 )
 from orbident.robot.formats.urdf_text import roll_pitch_yaw
-from orbident.robot.friction import Friction
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     MASS,

@@ -29,7 +29,7 @@ def topics(
     from orbident.files.replacing import check_free
     from orbident.files.text import read_text, write_text
     from orbident.recordings.topics.presets import known_preset, preset_path
-    from orbident.recordings.topics.proposal import proposed_map
+    from orbident.recordings.topics.topic_map import proposed_map
 
     if out is not None:
         check_free(out, force)

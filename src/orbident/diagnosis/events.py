@@ -10,10 +10,10 @@ import numpy as np
 
 from orbident.diagnosis.shifts import without
 from orbident.diagnosis.trial import Trial, amended_trial
-from orbident.estimation.changes import same_robot
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
+from orbident.estimation.solve import same_robot
 from orbident.files.names import joined
 
 HALVINGS = 4

@@ -6,7 +6,6 @@ from orbident.environment import air_table, orbital
 from orbident.environment import torques_and_forces as steady
 from orbident.environment.agent import Agent, Disturbance, World
 from orbident.environment.motion import Load, RobotMotion
-from orbident.environment.on_springs import OnSprings
 from orbident.robot.may_act import MayAct
 
 AGENTS: dict[str, Agent] = {
@@ -26,7 +25,7 @@ AGENTS: dict[str, Agent] = {
         orbital.OrbitalDrag(),
         orbital.SunlightPressure(),
         orbital.MagneticDipole(),
-        OnSprings(),
+        steady.OnSprings(),
         # Densities are estimated from the last unknowns: their waves are these.
         steady.TorqueWalk(),
         steady.ForceWalk(),

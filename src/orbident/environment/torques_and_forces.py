@@ -23,6 +23,15 @@ whose sizes are independent,
 Their integral is a random walk with the deviation `q sqrt(t)` (the cosines are
 orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
 `1 / (pi^2 WAVES)` of its variance. Such a force acts through the system CM.
+
+What swings inside a robot that its file takes for rigid, such as a panel, a boom or
+fuel, and faster than the robot moves, follows the base with a little more than its own
+momentum. To first order in the square of the two frequencies' ratio that of the robot
+is, in base axes, with its inertia `I` at the frequency `f`,
+
+    h = D w + ... - K d2w/dt2,      K = I / (2 pi f)^2
+
+So it acts on a rigid robot as the torque `d/dt (R_WB K d2w/dt2)`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,6 +39,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 from scipy.integrate import cumulative_simpson
+from scipy.interpolate import CubicSpline
 
 from orbident.environment.agent import AXES, Agent, Disturbance, Named, World
 from orbident.environment.motion import Load, RobotMotion, Vectors, by_step
@@ -37,6 +47,7 @@ from orbident.environment.worlds import SHORTEST, world_of
 from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
+from orbident.recordings.derivatives import HALF, derivatives
 
 WAVES = 24
 """So a walk's deviation is wrong by a fifth of a percent."""
@@ -276,3 +287,32 @@ def _density(agent: Agent, motion: RobotMotion, mass: float, v: Vectors) -> floa
     declared = getattr(motion.robot.momentum_walk, agent.density)
     root = np.sqrt(motion.t[-1] - motion.t[0])
     return declared or max(mass * float(np.sqrt(np.mean(v**2))) / root, LEAST)
+
+
+class OnSprings(Agent):
+    """Something on springs, of which the momentum is `K d2w/dt2` more."""
+
+    group = "on_springs"
+    words = (
+        "something on a spring swings in the robot, which its file takes for rigid (a "
+        "panel, a boom, fuel, a flexible joint)"
+    )
+    remedy = "declare what swings as a passive joint"
+    needs = "some 20 rows"
+    unit = "kg m^2 s^2"
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Each entry of the symmetric matrix."""
+        t, w = motion.t[::2], motion.w[::2]
+        if t.size <= 2 * HALF:
+            return
+        _, bent = derivatives(t, w)
+        axes = conserved_axes(motion.robot)[0]
+        for i in axes:
+            for k in axes[axes.index(i) :]:
+                K = np.zeros((3, 3))
+                K[i, k] = K[k, i] = 1.0
+                momentum = rotate(motion.R_WB[::2], bent @ K)
+                torque = CubicSpline(t, momentum)(motion.t, 1)
+                name = f"{AXES[i]}{AXES[k]}"
+                yield self.column(name, motion.turning(torque), positive=i == k)

@@ -34,7 +34,7 @@ from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import RecordingLike, recording_of
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.base_parameters import Mass, mass_of
 from orbident.estimation.linear_fits import (
     Factors,
     Fits,
@@ -24,7 +25,6 @@ from orbident.estimation.linear_fits import (
     known_momentum,
     rest_std,
 )
-from orbident.estimation.mass import Mass, mass_of
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, base_clocks, corrections

@@ -18,8 +18,8 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
+from orbident.model.core_robot import rotor_deviations
 from orbident.model.kinematics import inertia
-from orbident.model.rotor_momentum import rotor_deviations
 from orbident.robot.description import Robot
 
 BURN = "Eq. 40"

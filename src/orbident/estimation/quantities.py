@@ -1,6 +1,5 @@
 """Numbers with standard deviations: one, a named set, or all that is identified."""
 
-import re
 from collections.abc import Iterable, Iterator, Sized
 from dataclasses import dataclass, field, fields, replace
 from itertools import islice
@@ -27,6 +26,7 @@ from orbident.files.json_parts import (
     Symmetric,
 )
 from orbident.files.names import counted, joined, suggestion
+from orbident.model.formulas import of_width, physical_name
 
 LISTED = 8
 """Parameters that a `repr` shows."""
@@ -246,9 +246,8 @@ HEAD = f"  {'':10} {'estimate':>12} {'std':>9} {'CAD':>12} {'sigmas':>8} {'%':>8
 WIDEST = 27
 """Letters of a physical name that stand, with all beside it, on a line of 80."""
 
-SHORT_HEAD = (
-    f" {'':{WIDEST}} {'':8} {'estimate':>9} {'std':>7} {'CAD':>9} {'sigmas':>6}"
-)
+BESIDE = f"{'':8} {'estimate':>9} {'std':>7} {'CAD':>9} {'sigmas':>6}"
+"""The head of what stands there."""
 
 
 def most_different(found: EstimatedSet, most: int) -> Int[np.ndarray, " rows"]:
@@ -292,7 +291,10 @@ def parameter_rows(found: EstimatedSet, which: Iterable[int]) -> Iterator[TableR
 def short_table(found: EstimatedSet) -> list[str]:
     """Lines of at most `MOST` parameters, and how far the others are from CAD."""
     shown = most_different(found, MOST)
-    lines = [SHORT_HEAD, *(_short_line(found, k) for k in shown.tolist())]
+    lines = [
+        f" {'':{WIDEST}} {BESIDE}",
+        *(_short_line(found, k) for k in shown.tolist()),
+    ]
     left = np.setdiff1d(np.arange(len(found.names)), shown)
     off = np.abs(found.sigmas[left])
     near, lost = np.isfinite(off), np.isnan(found.values[left])
@@ -313,58 +315,10 @@ def _short_line(found: EstimatedSet, k: int) -> str:
     ((name, value, std, unit, _, nominal, *_),) = (
         map(str, row.cells) for row in parameter_rows(found, [k])
     )
-    what = _of_width(physical_name(name, found.formulas[k]), WIDEST)
-    sigmas = Numeric(found.sigmas[k], "+.1f" if abs(found.sigmas[k]) < 100 else "+.0f")
-    numbers = f"{value:>9} {std:>7} {nominal:>9} {sigmas!s:>6}"
-    return f" {what:{WIDEST}} {name:8} {numbers} {unit}"
-
-
-TERM = re.compile(r"(^-?|[+-] )([-\d.e+]+ )?(\w+)\(([^)]*)\)")
-"""A term of a formula: sign, factor, symbol and body."""
-
-
-def named(name: str, formula: str) -> str:
-    """What a base parameter is, and its symbol in brackets."""
-    physical = physical_name(name, formula)
-    return name if physical == name else f"{physical} ({name})"
-
-
-def physical_name(name: str, formula: str) -> str:
-    """What a base parameter is: moments of one body, and of what moves with it.
-
-    Args:
-        name: its symbol, `M`, `sigma_1` or `iota_1`.
-        formula: of it, in standard parameters.
-
-    Returns:
-        `"total mass"`, `"mx of link1"`, `"Ixx - Izz of link1 and beyond"`; the symbol
-        where its formula has no such term.
-    """
-    if name == "M":
-        return "total mass"
-    terms = [match.groups() for match in TERM.finditer(formula)]
-    kind = "m" if name.startswith("sigma") else "I"
-    own = [term for term in terms if term[2].startswith(kind) and term[2] != "m"]
-    if not own:
-        return name
-    _, factor, _, body = own[0]
-    parts = [f"{sign.strip()} {x}" for sign, f, x, b in own if (f, b) == (factor, body)]
-    beyond = " and beyond" if any(term[3] != body for term in terms) else ""
-    return f"{' '.join(parts).removeprefix('+').strip()} of {body}{beyond}"
-
-
-def _of_width(text: str, width: int) -> str:
-    """A text whose body's name is cut in its middle if it is too long."""
-    over = len(text) - width
-    if over <= 0:
-        return text
-    head, of, tail = text.partition(" of ")
-    body, beyond = tail.removesuffix(" and beyond"), ""
-    if body != tail:
-        beyond = " and beyond"
-    kept = max(len(body) - over - 2, 2)
-    cut = f"{body[: kept // 2 + kept % 2]}..{body[len(body) - kept // 2 :]}"
-    return f"{head}{of}{cut}{beyond}"
+    what = of_width(physical_name(name, found.formulas[k]), WIDEST)
+    off = Numeric(found.sigmas[k], "+.1f" if abs(found.sigmas[k]) < 100 else "+.0f")
+    numbers = f"{name:8} {value:>9} {std:>7} {nominal:>9} {off!s:>6} {unit}"
+    return f" {what:{WIDEST}} {numbers}"
 
 
 def parameter_line(row: TableRow) -> str:

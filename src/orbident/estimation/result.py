@@ -43,14 +43,14 @@ from orbident.files.json_parts import (
     held_as,
 )
 from orbident.files.schema_parts import WrongValueError
-from orbident.model.formulas import formulas_of
-from orbident.model.minimal_sets import minimal_sets
-from orbident.model.reconstruction import Dynamics, reconstructed
-from orbident.model.rotor_momentum import (
+from orbident.model.core_robot import (
     rotor_deviations,
     rotor_parts,
     with_armatures,
 )
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.extent import RecordedMotion
 from orbident.robot.description import NO_ROTOR, Robot

@@ -35,7 +35,7 @@ from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import Wrenches, recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 from orbident.robot.units import MeasuredQuantity
 
 Vectors = Float[np.ndarray, "n 3"]
@@ -336,7 +336,7 @@ def _beside_scales(mass: Quantity, scales: MeasuredQuantity) -> tuple[str, ...]:
 def _check_locked(robot: Robot, recording: Recording) -> None:
     for name, joint in zip(robot.joint_names, robot.joints, strict=True):
         column = f"joint.{name}.position"
-        q = recording.column(column)
+        q = recording.columns[column]
         where = f"{recording.source}: column '{column}'"
         if np.isnan(q).all():
             raise InputError(f"{where}: has no sample; record that the joint is locked")

@@ -40,7 +40,7 @@ from orbident.preprocessing.smoothing import smooth
 from orbident.preprocessing.wrenches import Wrenches, recorded_wrenches
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 from orbident.simulation.control_laws import thrust_columns
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating

@@ -17,8 +17,8 @@ from orbident.excitation.table_points import (
 )
 from orbident.files.bounds import LARGEST, SHORTEST, SMALLEST
 from orbident.model.kinematics import inertia
-from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import coupled_joints
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 INFINITE = float("inf")

@@ -20,8 +20,8 @@ from orbident.choices import Objective
 from orbident.excitation.floating import Gradient, NodalMotion, block
 from orbident.model.dependencies import independent_columns, random_motion
 from orbident.model.minimal_sets import MinimalSets
-from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import coupled_joints
 
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 

@@ -27,9 +27,8 @@ from orbident.excitation.search import (
 from orbident.excitation.thruster_pulses import design_pulses
 from orbident.files.json_parts import nulled
 from orbident.files.names import listed
-from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import coupled_joints, require_measured
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 

@@ -46,8 +46,8 @@ from orbident.excitation.table_points import (
     use_of_table,
 )
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import coupled_joints
 from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
 
 STEPS = 64

@@ -40,9 +40,8 @@ from orbident.errors import InputError
 from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
 from orbident.excitation.table_points import TableSize, centre_of, points_on_table
-from orbident.model.core_robot import wheels_of
+from orbident.model.core_robot import rotors_of, wheels_of
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.rotor_momentum import rotors_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,

@@ -21,7 +21,7 @@ from scipy.optimize import linprog
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, Limits
-from orbident.robot.couplings import CoupledJoints
+from orbident.robot.joint_schema import CoupledJoints
 from orbident.trajectories.trajectory import FourierQuintic
 
 NEGLIGIBLE = 1e-4

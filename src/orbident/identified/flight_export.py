@@ -40,7 +40,7 @@ from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Joint, Robot, Wheel
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 
 SPARSE = (
     "theta_of_linear",

@@ -21,7 +21,7 @@ from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
 from orbident.files.names import listed, quoted
 from orbident.files.replacing import replacing
-from orbident.model.rotor_momentum import lacking_rotors
+from orbident.model.core_robot import lacking_rotors
 
 COLUMNS = ("set", "parameter", "estimate", "std", "nominal", "unit", "formula")
 """The columns of the CSV file, in SI; numbers that are not determined are empty."""

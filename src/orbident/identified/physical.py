@@ -20,9 +20,9 @@ from scipy.special import chdtri
 
 from orbident.estimation.result import Result
 from orbident.extras import extra
+from orbident.model.core_robot import theta_with_rotors
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import check_known, root_of
-from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,

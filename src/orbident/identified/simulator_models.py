@@ -26,14 +26,13 @@ from orbident.identified.exported_robot import (
     FEATURE_POINT,
     ExportedRobot,
     Mechanism,
+    add_comment,
     exported_robot,
     unused,
 )
-from orbident.identified.urdf_export import add_comment
-from orbident.model.rotor_momentum import theta_with_rotors
-from orbident.robot.description import Joint, Robot
+from orbident.model.core_robot import theta_with_rotors
+from orbident.robot.description import NO_FRICTION, Friction, Joint, Robot
 from orbident.robot.formats.urdf_text import roll_pitch_yaw, spaced
-from orbident.robot.friction import NO_FRICTION, Friction
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,

@@ -21,8 +21,13 @@ from orbident.estimation.levels import chi_square
 from orbident.estimation.result import Result
 from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
-from orbident.identified.pose_prediction import WINDOW, PoseErrors, pose_errors
-from orbident.identified.prediction import predict, prediction_deviations
+from orbident.identified.prediction import (
+    WINDOW,
+    PoseErrors,
+    pose_errors,
+    predict,
+    prediction_deviations,
+)
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.preprocessing.wrenches import recorded_thrust
 from orbident.recordings.long_recording import LongRecording

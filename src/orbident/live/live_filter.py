@@ -33,7 +33,7 @@ from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.sources import complete
 from orbident.live.stream_clocks import DIGITS, RATE, Row, StreamClock, StreamClocks
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 
 ONSET = 1.0
 """s: what comes on more slowly the filter follows. No fewer samples than a detector

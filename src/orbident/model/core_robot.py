@@ -1,5 +1,19 @@
-"""A robot's constant tables, as the numerical core takes them."""
+"""A robot's constant tables, as the numerical core takes them: tree, wheels, rotors.
 
+The rotor of a joint's motor, of inertia `J`, turns `N qd` about the axis `a` of its
+joint, beside the body that carries it, which has its mass and its inertia at rest. It
+adds `N J qd a` to the momentum and, at a rate `w` of that body,
+
+    1/2 J (N qd)^2 + N J qd a . w
+
+to the kinetic energy. Bodies without rotors, of which the driven one has `N J a a^T`
+more inertia and the carrying one as much less, have the same momentum. Their energy
+lacks `1/2 N (N - 1) J qd^2`: a constant in the joint's own entry of `H+`. Of the two
+bodies momentum shows `I_p + I_c` and `I_c + N J` about the axis, and no more.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -7,8 +21,9 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.model.rotor_momentum import rotors_of, theta_with_rotors
-from orbident.robot.description import Robot
+from orbident.files.names import listed
+from orbident.robot.description import NO_ROTOR, GearedRotor, Robot
+from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
 
 
 class Wheels(NamedTuple):
@@ -60,3 +75,117 @@ def core_robot(robot: Robot) -> _core.Robot:
         wheel_axis=np.ascontiguousarray(wheels.axes.T),
         wheel_inertia=wheels.inertia,
     )
+
+
+IN_FORMULAS = (
+    "rotor(joint): its gear's ratio times the inertia of its motor's rotor, about the "
+    "joint's axis; zero without a gear"
+)
+"""What formulas mean by it."""
+
+
+class RotorArrays(NamedTuple):
+    """The rotors of all joints that the robot file declares; zero where it does not."""
+
+    momentum: Float[np.ndarray, " joints"]
+    """`N J`, kg m^2."""
+    armature: Float[np.ndarray, " joints"]
+    """`N (N - 1) J`, kg m^2."""
+    tolerance: Float[np.ndarray, " joints"]
+    """Relative standard deviation of both."""
+
+
+def rotors_of(robot: Robot) -> RotorArrays:
+    """The declared rotors, in the order of the joints."""
+    rotors = [robot.rotors.get(name, NO_ROTOR) for name in robot.joint_names]
+    N, J, tolerance = np.reshape(rotors, (-1, 3)).T.astype(float)
+    return RotorArrays(N * J, N * (N - 1) * J, tolerance)
+
+
+def rotor_directions(robot: Robot) -> Float[np.ndarray, "joints theta"]:
+    """How the flat `theta` changes by the `N J` of each joint that turns."""
+    directions = np.zeros((len(robot.joints), *robot.theta.shape))
+    for k, joint in enumerate(robot.joints):
+        if joint.kind == "revolute":
+            directions[k, k + 1, INERTIA] = _square(joint.axis)
+            directions[k, joint.parent, INERTIA] = -_square(joint.R_PJ @ joint.axis)
+    return directions.reshape(len(robot.joints), robot.theta.size)
+
+
+def _square(a: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6"]:
+    """`a a^T` as `theta` holds an inertia."""
+    return np.array([a[i] * a[j] for i, j in INERTIA_ENTRIES])
+
+
+def rotor_parts(robot: Robot) -> Float[np.ndarray, "theta joints"]:
+    """What each declared rotor adds to the flat `theta` in all that is momentum."""
+    return rotor_directions(robot).T * rotors_of(robot).momentum
+
+
+def rotor_deviations(robot: Robot) -> Float[np.ndarray, "theta joints"]:
+    """The standard deviations of what each declared rotor adds."""
+    return rotor_parts(robot) * rotors_of(robot).tolerance
+
+
+def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """The `theta` of bodies without rotors that have the robot's momentum."""
+    return robot.theta + rotor_parts(robot).sum(axis=1).reshape(robot.theta.shape)
+
+
+UNKNOWN = GearedRotor(2.0, 0.0, 0.0)
+"""Of a joint whose gear nobody has declared: what is momentum has the base parameters,
+whatever the gear, and a joint's own entry of `H+` needs `N (N - 1) J` alone."""
+
+
+def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Robot:
+    """The robot whose rotors have these `N (N - 1) J`.
+
+    Args:
+        robot: with the gears that are declared.
+        found: by joint, with standard deviations above zero, kg m^2 or kg.
+    """
+    rotors = dict(robot.rotors)
+    for name, (armature, std) in found.items():
+        gear = rotors.get(name, UNKNOWN).gear
+        inertia, part = armature / (gear * (gear - 1)), std / abs(armature)
+        rotors[name] = GearedRotor(gear, inertia, part)
+    return replace(robot, rotors=rotors)
+
+
+def undeclared_rotors(robot: Robot) -> tuple[str, ...]:
+    """Joints whose motor may be geared: they turn by it, and nothing is said."""
+    # What nobody drives has no motor.
+    without = {*(each.follower for each in robot.couplings), *robot.passive}
+    return tuple(
+        joint.name
+        for joint in robot.joints
+        if joint.kind == "revolute" and joint.name not in {*without, *robot.rotors}
+    )
+
+
+def geared_joints(robot: Robot) -> list[str]:
+    """Joints whose motor is geared, or may be."""
+    unknown = undeclared_rotors(robot)
+    return [
+        name
+        for name in robot.joint_names
+        if name in unknown or robot.rotors.get(name, NO_ROTOR).inertia
+    ]
+
+
+def lacking_rotors(robot: Robot, without: str = "") -> str:
+    """What is said of a model that lacks rotors; nothing where it has all.
+
+    Args:
+        robot: whose model it is.
+        without: what is said if the robot has rotors that are declared.
+    """
+    words, names = [], undeclared_rotors(robot)
+    if names:
+        words.append(
+            f"motors' rotors are not in the inertia of {listed(names)}, which lacks "
+            "gear^2 times theirs if they are geared: see 'rotors' in the robot file"
+        )
+    if rotors_of(robot).momentum.any():
+        words.append(without)
+    return "; ".join(filter(None, words))

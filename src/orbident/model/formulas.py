@@ -3,6 +3,7 @@
 What no free-floating recording of a robot can determine is said in words.
 """
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -11,12 +12,12 @@ from jaxtyping import Float
 from scipy.sparse import csr_array, hstack
 
 from orbident.files.names import listed
-from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotor_momentum import (
+from orbident.model.core_robot import (
     geared_joints,
     rotor_directions,
     undeclared_rotors,
 )
+from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS, PER_BODY, SYMBOLS
 from orbident.threads import one_blas_thread
@@ -89,6 +90,54 @@ def combinations(
         factor = f"{abs(c):.4g} ".removeprefix("1 ")
         texts[row] += f"{sign}{factor}{names[k]}"
     return tuple(text or "0" for text in texts)
+
+
+TERM = re.compile(r"(^-?|[+-] )([-\d.e+]+ )?(\w+)\(([^)]*)\)")
+"""A term of a formula: sign, factor, symbol and body."""
+
+
+def named(name: str, formula: str) -> str:
+    """What a base parameter is, and its symbol in brackets."""
+    physical = physical_name(name, formula)
+    return name if physical == name else f"{physical} ({name})"
+
+
+def physical_name(name: str, formula: str) -> str:
+    """What a base parameter is: moments of one body, and of what moves with it.
+
+    Args:
+        name: its symbol, `M`, `sigma_1` or `iota_1`.
+        formula: of it, in standard parameters.
+
+    Returns:
+        `"total mass"`, `"mx of link1"`, `"Ixx - Izz of link1 and beyond"`; the symbol
+        where its formula has no such term.
+    """
+    if name == "M":
+        return "total mass"
+    terms = [match.groups() for match in TERM.finditer(formula)]
+    kind = "m" if name.startswith("sigma") else "I"
+    own = [term for term in terms if term[2].startswith(kind) and term[2] != "m"]
+    if not own:
+        return name
+    _, factor, _, body = own[0]
+    parts = [f"{sign.strip()} {x}" for sign, f, x, b in own if (f, b) == (factor, body)]
+    beyond = " and beyond" if any(term[3] != body for term in terms) else ""
+    return f"{' '.join(parts).removeprefix('+').strip()} of {body}{beyond}"
+
+
+def of_width(text: str, width: int) -> str:
+    """A text whose body's name is cut in its middle if it is too long."""
+    over = len(text) - width
+    if over <= 0:
+        return text
+    head, of, tail = text.partition(" of ")
+    body, beyond = tail.removesuffix(" and beyond"), ""
+    if body != tail:
+        beyond = " and beyond"
+    kept = max(len(body) - over - 2, 2)
+    cut = f"{body[: kept // 2 + kept % 2]}..{body[len(body) - kept // 2 :]}"
+    return f"{head}{of}{cut}{beyond}"
 
 
 def mass_forms(

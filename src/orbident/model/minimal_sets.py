@@ -24,7 +24,7 @@ from scipy.sparse import csr_array
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_tree
+from orbident.model.core_robot import core_tree, theta_with_rotors
 from orbident.model.dependencies import (
     DEPENDENT,
     Columns,
@@ -36,7 +36,6 @@ from orbident.model.kinematics import (
     JointState,
     momentum_regressors,
 )
-from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors

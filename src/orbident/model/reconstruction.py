@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
+from orbident.model.core_robot import lacking_rotors, rotors_of
 from orbident.model.equations_of_motion import (
     Wrench,
     deviations,
@@ -27,7 +28,6 @@ from orbident.model.equations_of_motion import (
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_definite
-from orbident.model.rotor_momentum import lacking_rotors, rotors_of
 from orbident.robot.description import Robot
 
 TILT = [3, 4]

@@ -18,9 +18,10 @@ from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import UNTURNED
-from orbident.preprocessing.attitude_fusion import GyroNoise, fuse_attitude
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.integrals import (
+    GyroNoise,
+    fuse_attitude,
     integrate_gyro,
     velocity_from_accelerometer,
     velocity_from_increments,
@@ -119,30 +120,36 @@ def base_motion(
     Raises:
         InputError: there is neither, or too few samples.
     """
-    both = vector_columns("gyro"), vector_columns("attitude")
-    gyro, attitude = (_recorded(recording, names) for names in both)
-    if gyro and not attitude:
-        w = recording.vector("gyro")
-        x = integrate_gyro(recording.t, w, UNTURNED, recording.source)
+    gyro, attitude = vector_columns("gyro"), vector_columns("attitude")
+    needed = recording.columns.keys().isdisjoint(attitude)
+    w = _recorded(recording, gyro, needed)
+    fixes = _recorded(recording, attitude)
+    t, source = recording.t, recording.source
+    if not fixes:
+        x = integrate_gyro(t, np.column_stack(w), UNTURNED, source)
         how = {"attitude": Origin.INTEGRATED_GYRO, "base_rate": Origin.MEASURED}
-        return BaseMotion(tuple(w.T), tuple(x.T), how)
-    if attitude and not gyro:
-        fixes = recording.vector("attitude")
-        x, w = attitude_rates(recording.t, fixes, recording.source, settings)
-        return BaseMotion(tuple(w.T), tuple(x.T), _both(Origin.SMOOTHED_ATTITUDE))
-    w, fixes = (tuple(recording.column(name) for name in names) for names in both)
+        return BaseMotion(w, tuple(x.T), how)
+    if not w:
+        x, rate = attitude_rates(t, np.column_stack(fixes), source, settings)
+        how = _both(Origin.SMOOTHED_ATTITUDE)
+        return BaseMotion(tuple(rate.T), tuple(x.T), how)
     if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
         return BaseMotion(w, fixes, _both(Origin.MEASURED))
-    return _fused(recording, sensors, late)
+    table = np.column_stack(w)
+    return _fused(t, table, np.column_stack(fixes), sensors, late, source)
 
 
 def _both(how: Origin) -> dict[str, Origin]:
     return {"attitude": how, "base_rate": how}
 
 
-def _recorded(recording: Recording, names: tuple[str, ...]) -> bool:
-    """Whether the sensor is there: with none of its columns it is not."""
-    return any(name in recording.columns for name in names)
+def _recorded(
+    recording: Recording, names: tuple[str, ...], needed: bool = False
+) -> Columns:
+    """A sensor's columns; none where it is not there, as it has none of them."""
+    if not needed and recording.columns.keys().isdisjoint(names):
+        return ()
+    return tuple(recording.column(name) for name in names)
 
 
 def _sparse(w: Columns, fixes: Columns) -> bool:
@@ -154,15 +161,20 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
     return bool((seen & fixed).sum() < seen.sum() / 2)
 
 
-def _fused(recording: Recording, sensors: SensorsSpec, late: float) -> BaseMotion:
-    t, w = recording.t, recording.vector("gyro")
-    fixes = recording.vector("attitude")
-    by_gyro = integrate_gyro(t, w, UNTURNED, recording.source)
+def _fused(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    fixes: Float[np.ndarray, "n 4"],
+    sensors: SensorsSpec,
+    late: float,
+    source: str,
+) -> BaseMotion:
+    by_gyro = integrate_gyro(t, w, UNTURNED, source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
     std = sensors.of("attitude").white_std() or _scatter(by_gyro, fixes)
     noise = _gyro_noise(t, w, sensors.of("gyro"))
-    fused = fuse_attitude(t, w, fixes, noise, std, recording.source)
+    fused = fuse_attitude(t, w, fixes, noise, std, source)
     how = _both(Origin.FUSED_ATTITUDE)
     return BaseMotion(tuple((w - fused.bias).T), tuple(fused.x_WB.T), how)
 
@@ -252,7 +264,7 @@ def point_velocity(
 
 
 def _measured(recording: Recording, late: float) -> Columns:
-    columns = tuple(recording.column(name) for name in vector_columns("velocity"))
+    columns = tuple(recording.columns[name] for name in vector_columns("velocity"))
     if not late:
         return columns
     t, label = recording.t, f"{recording.source}: velocity"

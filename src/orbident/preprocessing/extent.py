@@ -9,7 +9,7 @@ from pydantic import Field
 from typing_extensions import TypedDict
 
 from orbident.files.json_parts import FiniteNumber, NumberOrNone
-from orbident.preprocessing.held_joints import Range, held_joints
+from orbident.preprocessing.histories import Range, held_joints
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 

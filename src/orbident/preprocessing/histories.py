@@ -1,4 +1,4 @@
-"""What joints and wheels did at the rows of a recording."""
+"""What joints and wheels did at the rows of a recording, and which joints were held."""
 
 from collections.abc import Sequence
 from functools import partial, reduce
@@ -7,8 +7,9 @@ from operator import or_
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
+from orbident.model.kinematics import inertia_at
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.smoothing import (
@@ -22,6 +23,7 @@ from orbident.preprocessing.smoothing import (
     smooth_rates,
 )
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import EncoderSpec
 from orbident.threads import side_by_side
 
@@ -152,7 +154,7 @@ def _smoothed(
     t, x = recording.t, np.empty((recording.t.size, len(names)))
     fits: list[Roughness] = []
     for k, name in enumerate(names):
-        label, column = f"{recording.source}: column '{name}'", recording.column(name)
+        label, column = f"{recording.source}: column '{name}'", recording.columns[name]
         x[:, k] = column
         find = partial(fits_of, t, x[:, k : k + 1], noise, label)
         fits += settings.smoothers(name, find)
@@ -183,8 +185,86 @@ def _share_of(angle: Smoothed | Rates) -> float:
 
 
 def _at(recording: Recording, name: str, late: float) -> Float[np.ndarray, " samples"]:
-    t, column = recording.t, recording.column(name)
+    t, column = recording.t, recording.columns[name]
     label = f"{recording.source}: column '{name}'"
     if late:
         return at_times(t, column, t + late, label)
     return fill(t, column, label) if np.isnan(column).any() else column
+
+
+LOCKED = 1e-3
+"""A joint that moved less (rad or m) did not move: encoders are finer than that."""
+
+UNSEEN = 0.1
+"""Part of the noise of a sample of the gyro: what turns the base more slowly all the
+time would take ten thousand samples to be seen."""
+
+
+class Range(NamedTuple):
+    """The finite samples of some columns."""
+
+    low: Float[np.ndarray, " columns"]
+    """Infinite where there is none."""
+    high: Float[np.ndarray, " columns"]
+    samples: Float[np.ndarray, " columns"]
+    total: Float[np.ndarray, " columns"]
+
+    @classmethod
+    def of(cls, columns: Sequence[Float[np.ndarray, " samples"]]) -> "Range":
+        """Those of these columns."""
+        found = np.empty((4, len(columns)))
+        for k, column in enumerate(columns):
+            x = column[np.isfinite(column)]
+            low, high = x.min(initial=np.inf), x.max(initial=-np.inf)
+            found[:, k] = low, high, x.size, x.sum()
+        return cls(*found)
+
+    def and_of(self, other: "Range") -> "Range":
+        """Those of both."""
+        return Range(
+            np.minimum(self.low, other.low),
+            np.maximum(self.high, other.high),
+            self.samples + other.samples,
+            self.total + other.total,
+        )
+
+    def ends(self, k: int) -> list[float] | None:
+        """The least and the largest value of column `k`; None without a sample."""
+        both = [float(self.low[k]), float(self.high[k])]
+        return both if self.samples[k] else None
+
+
+def held_joints(robot: Robot, q: Range, qd: Range, dt: float) -> dict[str, float]:
+    """The joints that did not move, and where they are held, rad or m.
+
+    A controller that holds a joint lets it tremble. That is no motion where, with the
+    nominal inertia, the base turns so little by it that the gyro does not see it.
+
+    Args:
+        robot: with its nominal inertia, and the gyro's noise, where that is known.
+        q: of all joints, rad or m.
+        qd: of all joints, rad/s or m/s.
+        dt: from one sample of the gyro to the next, s.
+    """
+    still = q.high - q.low < LOCKED
+    if not still.all():
+        still |= _trembling(robot, q, qd, dt)
+    return {
+        name: float(q.total[k] / q.samples[k])
+        for k, name in enumerate(robot.joint_names)
+        if still[k]
+    }
+
+
+def _trembling(
+    robot: Robot, q: Range, qd: Range, dt: float
+) -> Bool[np.ndarray, " joints"]:
+    """Revolute joints alone: a sliding one may move S without a turn."""
+    turning = np.array([joint.kind == "revolute" for joint in robot.joints])
+    noise = robot.sensors.of("gyro").white_std(dt)
+    at = inertia_at(robot, (q.low + q.high) / 2)
+    axes = [2] if robot.motion == "planar" else [0, 1, 2]
+    # h = D w + D_q qd stays: w = -D^-1 D_q qd (Eq. 3).
+    turns = np.linalg.solve(at.D[np.ix_(axes, axes)], at.D_q[axes])
+    fastest = np.maximum(qd.high, -qd.low)
+    return turning & (np.linalg.norm(turns, axis=0) * fastest < UNSEEN * noise)

@@ -9,8 +9,13 @@ from jaxtyping import Bool, Float
 
 from orbident.preprocessing.base_motion import base_motion, point_velocity
 from orbident.preprocessing.delays import delays
-from orbident.preprocessing.held_joints import Range, held_joints
-from orbident.preprocessing.histories import Columns, Histories, histories
+from orbident.preprocessing.histories import (
+    Columns,
+    Histories,
+    Range,
+    held_joints,
+    histories,
+)
 from orbident.preprocessing.integrals import bias_response
 from orbident.preprocessing.origins import BIASED, Origin
 from orbident.preprocessing.smoothing import Settings

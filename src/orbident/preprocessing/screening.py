@@ -10,15 +10,16 @@ from jaxtyping import Bool, Float
 from scipy.integrate import cumulative_trapezoid
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import (
+from orbident.preprocessing.column_faults import (
     GAP,
     REMEMBERED,
     TURN,
+    find_spikes,
+    saturated,
     turned_between,
     unwrapped,
     within_a_turn,
 )
-from orbident.preprocessing.outliers import find_spikes, saturated
 from orbident.preprocessing.rates import false_rates
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.columns import VECTORS

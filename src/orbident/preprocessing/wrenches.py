@@ -213,7 +213,7 @@ def _of_torquers(robot: Robot, recording: Recording) -> Iterator[RecordedWrench]
     for torquer in robot.torquers:
         name = f"torquer.{torquer.name}"
         if recording.has(f"{name}.dipole"):
-            size = _held(recording.column(f"{name}.dipole"))
+            size = _held(recording.columns[f"{name}.dipole"])
             dipole = np.outer(size, torquer.axis)
             zero = np.zeros_like(dipole)
             yield RecordedWrench(name, torquer.gain, zero, zero, dipole)
@@ -234,7 +234,7 @@ def _newton(thruster: Thruster, recording: Recording) -> Float[np.ndarray, " sam
     force, duty = (f"thruster.{thruster.name}.{kind}" for kind in ("force", "duty"))
     if not recording.has(duty):
         if recording.has(force):
-            return _held(recording.column(force))
+            return _held(recording.columns[force])
         return np.zeros(recording.t.size)
     where = f"{recording.source}: column '{duty}'"
     if recording.has(force):
@@ -244,7 +244,7 @@ def _newton(thruster: Thruster, recording: Recording) -> Float[np.ndarray, " sam
             f"{where}: a duty is a part of the full thrust, which the robot file does "
             f"not say; add 'thrust: 5' (N) to thruster '{thruster.name}'"
         )
-    on = _held(recording.column(duty))
+    on = _held(recording.columns[duty])
     wrong = np.flatnonzero((on < 0) | (on > 1))
     if wrong.size:
         percent = 1 < np.max(on) <= 100 and np.min(on) >= 0

@@ -20,8 +20,13 @@ import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
 from orbident.files.names import quoted
-from orbident.recordings.columns import check_names, is_known
-from orbident.recordings.written_units import SI, split_name, written_unit
+from orbident.recordings.columns import (
+    SI,
+    check_names,
+    is_known,
+    split_name,
+    written_unit,
+)
 
 _HEAD_BYTES = 1 << 20
 """Where the header is looked for, and what separates columns."""

@@ -17,12 +17,12 @@ from orbident.estimation.quantities import (
     EstimatedSet,
     MassRoutes,
     most_different,
-    named,
     parameter_rows,
 )
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
-from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
+from orbident.model.core_robot import IN_FORMULAS, geared_joints
+from orbident.model.formulas import named
 from orbident.report.charts import heat_map, interval_list, shares_across
 from orbident.report.page import Chart, Section
 

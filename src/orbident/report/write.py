@@ -13,7 +13,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
-from orbident.identified.pose_prediction import WINDOW
+from orbident.identified.prediction import WINDOW
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.identified.validate import SCORED
 from orbident.preprocessing.origins import SMOOTHED, WORDS

@@ -21,17 +21,19 @@ from orbident.files.schema_parts import (
     nonzero_vector,
 )
 from orbident.orbits.orbit import Orbit
-from orbident.robot.friction import Friction
 from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
 from orbident.robot.units import (
+    FRICTION_OF_A_JOINT,
+    TORQUE_OF_A_JOINT,
     MeasuredQuantity,
     Rate,
     Share,
     measure_of,
     measurement_of,
+    quantity_of,
 )
 
 POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
@@ -139,6 +141,31 @@ class GearedRotor(NamedTuple):
 
 NO_ROTOR = GearedRotor(1.0, 0.0, 0.0)
 """Of a joint without a gear, whose rotor is part of the body that it moves."""
+
+
+class Friction(NamedTuple):
+    """What a joint's bearings, seals and gear take of the torque on it.
+
+    At a rate `qd` they take `viscous qd + coulomb sign(qd) + offset`.
+    """
+
+    viscous: Annotated[float, measure_of(FRICTION_OF_A_JOINT)] = 0.0
+    """N m s, or N s/m of a joint that slides."""
+    coulomb: Annotated[float, measure_of(TORQUE_OF_A_JOINT)] = 0.0
+    """N m or N."""
+    offset: Annotated[float, quantity_of(TORQUE_OF_A_JOINT)] = 0.0
+    """Such as what a cable pulls, and the sensor's own zero; N m or N."""
+    tolerance: Share | None = None
+    """Standard deviation of each of the three, relative; None where they may be
+    anything, as friction that nobody has measured may."""
+
+    def std(self, value: float) -> float:
+        """Of one of the three, beforehand; infinite where it may be anything."""
+        return math.inf if self.tolerance is None else abs(self.tolerance * value)
+
+
+NO_FRICTION = Friction()
+"""Of a joint of which nothing is said: anything may take a part of its torque."""
 
 
 @dataclass(frozen=True)

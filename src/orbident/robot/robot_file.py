@@ -1,6 +1,6 @@
 """Loads and writes robots: bundled names, models of other tools and robot files."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -12,24 +12,31 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.files.schema_parts import validated
+from orbident.files.schema_parts import read_yaml_mapping, validated
 from orbident.files.text import read_text, refuse_pipe, write_text
-from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
-from orbident.robot.couplings import couplings_of
-from orbident.robot.description import DAMPING_STD, Joint, Robot, Wheel
+from orbident.robot.description import (
+    DAMPING_STD,
+    NO_FRICTION,
+    NO_ROTOR,
+    Joint,
+    Robot,
+    Wheel,
+)
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
-from orbident.robot.friction import NO_FRICTION, check_friction
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
-from orbident.robot.geared_rotors import (
+from orbident.robot.joint_schema import (
     armature_stds,
+    check_friction,
+    check_passive,
+    couplings_of,
     proposed_rotors,
     rotors_by_joint,
 )
 from orbident.robot.oddities import contradictions, nonphysical
-from orbident.robot.passive_joints import check_passive
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
+from orbident.robot.tolerances import EVERY
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
 
@@ -65,22 +72,20 @@ def assembled(
     held = frozenset(w.joint for w in file.wheels if w.joint is not None)
     bodies = about_feature_point(fused(tree, held=held), feature_point)
     _require_mass(bodies, urdf.place)
-    _require_bodies("structure", file.structure, bodies, place)
     names = [joint.name for joint in bodies.joints]
+    _check_names(file, names, bodies.names, place)
     couplings, uncoupled = couplings_of(urdf, names)
-    _require_bodies("pads", file.pads, bodies, place)
-    _require_bodies("known: bodies", file.known.bodies, bodies, place)
-    check_passive(file.passive, bodies.joints, couplings, place)
+    check_passive(file.passive, couplings, place)
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place
     )
-    check_friction(file.friction, names, file.passive, place)
+    check_friction(file.friction, file.passive, place)
     friction = {name: file.friction.get(name, NO_FRICTION) for name in names}
     return Robot(
         name=file.name or urdf.name,
         motion=file.motion,
         bodies=bodies.names,
-        joints=_limited(bodies.joints, file.limits, place),
+        joints=_limited(bodies.joints, file.limits),
         theta=bodies.theta,
         feature_point=feature_point,
         couplings=couplings,
@@ -160,15 +165,8 @@ def _declared(entry: WheelEntry) -> Wheel:
 
 
 def _limited(
-    joints: tuple[Joint, ...], limits: dict[str, LimitEntry], place: str
+    joints: tuple[Joint, ...], limits: dict[str, LimitEntry]
 ) -> tuple[Joint, ...]:
-    known = [joint.name for joint in joints]
-    for name in limits:
-        if name not in known:
-            raise InputError(
-                f"{place}: limits: no joint {name!r}; "
-                + suggestion(name, known, "joints")
-            )
     return tuple(
         replace(joint, **limits[joint.name].model_dump(exclude_none=True))
         if joint.name in limits
@@ -186,15 +184,34 @@ def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:
     }
 
 
-def _require_bodies(
-    section: str, named: Iterable[str], bodies: Bodies, place: str
+def _check_names(
+    file: RobotFile, joints: Sequence[str], bodies: Sequence[str], place: str
 ) -> None:
-    for name in named:
-        if name not in bodies.names:
-            raise InputError(
-                f"{place}: {section}: no body {name!r}; "
-                + suggestion(name, bodies.names, "bodies")
-            )
+    """Refuse what a section says of a body or a joint that the robot does not have."""
+    of_bodies = {
+        "structure": file.structure,
+        "pads": file.pads,
+        "known: bodies": file.known.bodies,
+    }
+    # That no motor has a gear may be said without names.
+    rotors = {} if file.rotors == {EVERY: NO_ROTOR} else file.rotors
+    of_joints = {
+        "passive": file.passive,
+        "rotors": rotors,
+        "friction": file.friction,
+        "limits": file.limits,
+    }
+    for sections, known, one, several in (
+        (of_bodies, bodies, "body", "bodies"),
+        (of_joints, joints, "joint", "joints"),
+    ):
+        for section, named in sections.items():
+            for name in named:
+                if name not in known:
+                    raise InputError(
+                        f"{place}: {section}: no {one} {name!r}; "
+                        + suggestion(name, known, several)
+                    )
 
 
 def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:
@@ -238,18 +255,20 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
         MissingLibraryError: the extra that this kind of file needs is not installed.
     """
     if isinstance(source, Mapping):
+        path, place = Path("robot.yaml"), "robot"
         document = {"schema": _SCHEMA, **_plain(source)}
-        return _described(document, Path("robot.yaml"), "robot")
-    if str(source) in bundled_robots():
-        return _from_robot_file(_library() / f"{source}.yaml", place=str(source))
-    path = Path(source)
-    refuse_pipe(path, "the robot")
-    suffix = path.suffix.lower()
-    if suffix in _YAML:
-        return _from_robot_file(path, place=str(path))
-    if suffix in SUFFIXES:
-        return _from_model(path)
-    raise InputError(_not_a_robot(path))
+    else:
+        path, place = Path(source), str(source)
+        if place in bundled_robots():
+            path = _library() / f"{place}.yaml"
+        refuse_pipe(path, "the robot")
+        suffix = path.suffix.lower()
+        if suffix in SUFFIXES:
+            return _from_model(path)
+        if suffix not in _YAML:
+            raise InputError(_not_a_robot(path))
+        document = read_yaml_mapping(read_text(path), place, _SCHEMA)
+    return _described(document, path, place)
 
 
 def _plain(value: Any) -> Any:
@@ -325,11 +344,6 @@ def _from_model(path: Path) -> Robot:
     document = {"schema": _SCHEMA, "name": urdf.name, "urdf": path.name}
     file = validated(RobotFile, document, str(path))
     return assembled(file, document, urdf, text, str(path))
-
-
-def _from_robot_file(path: Path, place: str) -> Robot:
-    document = read_yaml_mapping(read_text(path), place, _SCHEMA)
-    return _described(document, path, place)
 
 
 def _described(document: dict[Any, Any], path: Path, place: str) -> Robot:

@@ -167,3 +167,7 @@ CALIBRATION_KINDS: dict[str, CalibrationKind] = {
     each.name: each.metadata["kind"] for each in fields(Tolerances)
 }
 """The kinds of errors by the names of their tolerances."""
+
+
+EVERY = "*"
+"""Instead of a joint's name: what is said of all of them."""

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from orbident.identified.exported_robot import wheel_joints
-from orbident.identified.urdf_export import links_of
+from orbident.identified.exported_robot import links_of, wheel_joints
 from orbident.robot.description import Robot, Wheel
 from orbident.scene.shapes import (
     MARK,

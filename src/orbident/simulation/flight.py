@@ -17,8 +17,8 @@ from orbident.model.equations_of_motion import movable
 from orbident.model.regularity import check_regular
 from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import require_measured
 from orbident.robot.parameters import inertia_about_com
-from orbident.robot.passive_joints import require_measured
 from orbident.simulation.control_laws import (
     AttitudeHold,
     ComputedTorque,

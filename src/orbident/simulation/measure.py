@@ -17,8 +17,7 @@ from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Robot
-from orbident.robot.friction import NO_FRICTION
+from orbident.robot.description import NO_FRICTION, Robot
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion

@@ -22,7 +22,7 @@ from orbident.model.regularity import check_regular
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.passive_joints import require_measured
+from orbident.robot.joint_schema import require_measured
 from orbident.simulation.control_laws import Driven, part_on, thrust_columns
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating

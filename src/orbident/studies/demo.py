@@ -18,7 +18,7 @@ from orbident.identified.prediction import Prediction
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.tolerance_schema import TolerancesEntry
+from orbident.robot.schema import TolerancesEntry
 from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment
 

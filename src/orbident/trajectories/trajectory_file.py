@@ -17,10 +17,10 @@ from orbident.files.schema_parts import (
     Positive,
     Vector3,
     Vector4,
+    read_yaml_mapping,
     validated,
 )
 from orbident.files.text import read_text, write_text
-from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

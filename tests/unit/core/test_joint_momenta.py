@@ -8,8 +8,7 @@ from random_robots import random_parents, random_robot
 
 from orbident import _core
 from orbident.model.core_robot import core_tree
-from orbident.model.kinematics import inertia_at
-from orbident.model.springs import carried_inertia
+from orbident.model.kinematics import carried_inertia, inertia_at
 from orbident.robot.description import Robot
 
 pytestmark = pytest.mark.core

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orbident.environment.motion import RobotMotion
-from orbident.environment.on_springs import OnSprings
+from orbident.environment.torques_and_forces import OnSprings
 from orbident.recordings.derivatives import HALF, derivatives
 from orbident.robot.robot_file import load_robot
 

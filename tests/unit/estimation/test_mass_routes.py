@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orbident.estimation.mass import mass_of
+from orbident.estimation.base_parameters import mass_of
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
     beside_nominal,

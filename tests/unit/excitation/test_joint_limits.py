@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from orbident.robot.couplings import coupled_joints
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import conditions_for, limits_of
@@ -11,7 +12,6 @@ from orbident.excitation.joint_limits import (
     joint_motions,
     polytope_of,
 )
-from orbident.robot.couplings import coupled_joints
 from orbident.robot.robot_file import load_robot
 
 NAMES = ("joint1", "joint2")

@@ -13,7 +13,7 @@ from processes import finished
 from orbident.errors import InputError
 from orbident.files.confined import ConfinedError, confined
 from orbident.files.names import listed
-from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.files.schema_parts import read_yaml_mapping
 
 SMALL = {"seconds": 1, "megabytes": 100}
 

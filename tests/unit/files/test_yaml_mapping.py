@@ -2,7 +2,7 @@ import pytest
 import yaml
 
 from orbident.errors import InputError
-from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.files.schema_parts import read_yaml_mapping
 
 
 def read(text):

@@ -10,10 +10,9 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from orbident.identified.exported_robot import mechanism_of
+from orbident.identified.exported_robot import exported_urdf, mechanism_of
 from orbident.identified.simulator_models import mjcf
-from orbident.identified.urdf_export import exported_urdf
-from orbident.robot.friction import Friction
+from orbident.robot.description import Friction
 from orbident.robot.robot_file import load_robot
 
 ROBOT = """<mujoco><worldbody><body name="base"><freejoint/>

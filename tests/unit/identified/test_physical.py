@@ -14,8 +14,8 @@ from servicer import load_servicer
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
+from orbident.identified.exported_robot import exported_urdf, wheel_parts
 from orbident.identified.physical import PhysicalBodies, physical_bodies
-from orbident.identified.urdf_export import exported_urdf, wheel_parts
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_matrix

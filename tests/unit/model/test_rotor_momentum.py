@@ -7,15 +7,15 @@ import pytest
 from made_results import exact_result
 from random_robots import random_robot, random_wheels
 
-from orbident.model.formulas import formulas_of, not_identifiable
-from orbident.model.kinematics import inertia, momentum_regressors, poses
-from orbident.model.minimal_sets import minimal_sets
-from orbident.model.rotor_momentum import (
+from orbident.model.core_robot import (
     lacking_rotors,
     rotor_directions,
     theta_with_rotors,
     undeclared_rotors,
 )
+from orbident.model.formulas import formulas_of, not_identifiable
+from orbident.model.kinematics import inertia, momentum_regressors, poses
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import NO_ROTOR, Coupling, GearedRotor, Robot
 from orbident.robot.robot_file import load_robot
 

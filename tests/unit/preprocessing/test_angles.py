@@ -2,7 +2,11 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import turned_between, unwrapped, within_a_turn
+from orbident.preprocessing.column_faults import (
+    turned_between,
+    unwrapped,
+    within_a_turn,
+)
 
 T = np.arange(0.0, 20.0, 0.05)
 

@@ -6,11 +6,11 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.preprocessing.attitude_fusion import (
+from orbident.preprocessing.integrals import (
     GyroNoise,
     fuse_attitude,
+    integrate_gyro,
 )
-from orbident.preprocessing.integrals import integrate_gyro
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.sensor import gaussian
 from orbident.simulation.simulate import simulate

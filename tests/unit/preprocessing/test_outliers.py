@@ -3,7 +3,7 @@ import pytest
 from random_motions import random_motion
 
 from orbident.errors import InputError
-from orbident.preprocessing.outliers import find_spikes
+from orbident.preprocessing.column_faults import find_spikes
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
@@ -137,6 +137,6 @@ def test_spikes_are_looked_for_beside_leaps_only(monkeypatch):
         ("_usual_at_least", lambda padded: np.zeros(padded.size - 100)),
         ("_eventful", lambda at, samples: iter([slice(0, samples)])),
     ):
-        monkeypatch.setattr(f"orbident.preprocessing.outliers.{name}", everywhere)
+        monkeypatch.setattr(f"orbident.preprocessing.column_faults.{name}", everywhere)
     assert found.count > 100
     np.testing.assert_array_equal(found.mask, find_spikes(t, x).mask)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from orbident.preprocessing.outliers import saturated
+from orbident.preprocessing.column_faults import saturated
 
 T = np.arange(0.0, 40.0, 0.05)
 W = 0.3 * np.sin(T) + 1e-4 * np.random.default_rng(0).standard_normal(T.size)

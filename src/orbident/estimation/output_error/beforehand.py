@@ -25,9 +25,8 @@ from orbident.estimation.solution import (
 )
 from orbident.estimation.triangular import triangular_factor
 from orbident.estimation.unknowns import Unknown
-from orbident.model.kinematics import first_moments, poses
+from orbident.model.kinematics import carried_inertia, first_moments, poses
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.springs import carried_inertia
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 

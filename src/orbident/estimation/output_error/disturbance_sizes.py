@@ -34,7 +34,6 @@ from orbident.estimation.output_error.walking_rates import (
 )
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit, Unknown
-from orbident.model.minimal_sets import conserved_axes
 
 
 def identified(
@@ -145,8 +144,7 @@ def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
 
     It is the square of `surprise_of`, of the angular momentum at the first sample.
     """
-    turning, _ = conserved_axes(problem.acting.followed.robot)
-    axes = np.array(turning)
+    axes = np.array(problem.acting.followed.sets.regressors.momentum_axes)
     state, prior, C = solution.state, solution.prior, solution.covariance
     here = len(C) - state.common.size + axes
     value = state.common[axes] - prior.values[axes]

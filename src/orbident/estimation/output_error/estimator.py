@@ -68,7 +68,7 @@ from orbident.estimation.output_error.torques import drives_of, joints_driven
 from orbident.estimation.output_error.walking_rates import walked
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
-from orbident.model.minimal_sets import conserved_axes
+from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
@@ -134,7 +134,7 @@ class OutputError:
                 disturbed=bool(disturbances) or bool(_driven(robot, equations)),
             ),
             sensors=by_sensor,
-            biases=_biases(robot, sensors, found),
+            biases=_biases(sets, sensors, found),
             disturbances=disturbances,
             allowed=_allowed(equations),
             widened_by=widened_by(equations.expected, found.solution),
@@ -308,10 +308,10 @@ def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEs
 
 
 def _biases(
-    robot: Robot, sensors: Sensors, found: Fitted
+    sets: MinimalSets, sensors: Sensors, found: Fitted
 ) -> dict[str, dict[str, float]]:
     """The biases at the end of the recording, estimated from all of it."""
-    turning, moving = conserved_axes(robot)
+    turning, moving = sets.regressors.momentum_axes, sets.regressors.velocity_axes
     solution = found.solution
     C = solution.end.covariance(solution.covariance)
     biases = {}

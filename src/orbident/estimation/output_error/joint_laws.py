@@ -13,7 +13,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.solution import OUTSIDE, Prior, Unknowns
 from orbident.estimation.unknowns import CalibrationFit, SpringFit
-from orbident.model.springs import carried_inertia
+from orbident.model.kinematics import carried_inertia
 from orbident.preprocessing.wrenches import Wrenches
 from orbident.robot.description import Robot
 

@@ -51,8 +51,8 @@ def torque_column(joint: str) -> str:
 
 def joints_with_torques(robot: Robot, recording: Recording) -> list[str]:
     """The joints whose torque was recorded."""
-    names = robot.joint_names
-    return [name for name in names if recording.has(torque_column(name))]
+    shown = recording.columns
+    return [name for name in robot.joint_names if torque_column(name) in shown]
 
 
 @dataclass(frozen=True)
@@ -95,6 +95,8 @@ def sensors_of(
         for sensor in COMPONENTS
         if recording.has_vector(sensor)
     }
+    sums = "velocity_increment"
+    increments = recording.vector(sums) if recording.has_vector(sums) else None
     joints = [name for name in robot.joint_names if name not in robot.passive]
     encoders = robot.sensors.joints
     exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
@@ -108,7 +110,7 @@ def sensors_of(
         tables[TORQUES] = torques = np.zeros((recording.t.size, len(robot.joints)))
         for name in driven:
             which = robot.joint_names.index(name)
-            torques[:, which] = recording.column(torque_column(name))
+            torques[:, which] = recording.columns[torque_column(name)]
     times, samples = {}, {}
     for name in list(tables):
         table = tables.pop(name)
@@ -117,8 +119,9 @@ def sensors_of(
             late = behind[CLOCKS.get(name, name)]
             times[name] = some_of(recording.t, seen) - late
             samples[name] = some_of(table, seen)
-    if recording.has_vector("velocity_increment") and "gyro" in samples:
-        felt = _felt(recording, times["gyro"], samples["gyro"], behind["accelerometer"])
+    if increments is not None and "gyro" in samples:
+        t = recording.t - behind["accelerometer"]
+        felt = _felt(t, increments, times["gyro"], samples["gyro"])
         times["accelerometer"], samples["accelerometer"] = felt
     t = np.unique(np.concatenate(list(times.values())))
     t = t[np.diff(t, prepend=-np.inf) > TOGETHER]
@@ -141,18 +144,17 @@ def _speeds_only(robot: Robot, recording: Recording) -> bool:
 
 
 def _felt(
-    recording: Recording,
+    t: Float[np.ndarray, " rows"],
+    dv: Float[np.ndarray, "rows 3"],
     gyro_t: Float[np.ndarray, " m"],
     gyro: Float[np.ndarray, "m 3"],
-    late: float,
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
     """Mean specific forces, half-way through each velocity increment.
 
     The increment is in the base's axes at its start, half of its turn ago.
     """
-    dv = recording.vector("velocity_increment")
     seen = np.isfinite(dv).all(axis=1)
-    t, dv = recording.t[seen] - late, dv[seen]
+    t, dv = t[seen], dv[seen]
     dt = np.diff(t)[:, None]
     middle = (t[:-1] + t[1:]) / 2
     w = np.column_stack([np.interp(middle, gyro_t, axis) for axis in gyro.T])

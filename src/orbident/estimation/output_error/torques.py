@@ -24,10 +24,9 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.estimation.output_error.shooting import Intervals
 from orbident.estimation.unknowns import DRIVE, CalibrationFit, DriveFit
-from orbident.model.rotor_momentum import rotors_of
+from orbident.model.core_robot import rotors_of
 from orbident.preprocessing.samples import Samples
-from orbident.robot.description import Robot
-from orbident.robot.friction import NO_FRICTION
+from orbident.robot.description import NO_FRICTION, Robot
 
 STANDING = 1e-2
 """Part of its root mean square rate below which a joint counts as standing: its brake

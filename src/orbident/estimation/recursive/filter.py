@@ -18,10 +18,9 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.recursive.filter_input import Noise
 from orbident.estimation.triangular import check_finite
-from orbident.model.core_robot import core_robot
+from orbident.model.core_robot import core_robot, rotor_deviations
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.reconstruction import root_of
-from orbident.model.rotor_momentum import rotor_deviations
 from orbident.robot.description import Robot
 from orbident.robot.parameters import INERTIA, MASS, PER_BODY
 from orbident.threads import processors

@@ -8,7 +8,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, quoted, suggestion
-from orbident.recordings.written_units import split_name, written_unit
+from orbident.recordings.columns import split_name, written_unit
 
 TIME_NAMES = ("t", "time", "times", "timestamp", "stamp", "tout", "time_s", "sec")
 """Names of fields that hold the time, wherever they stand; capitals do not matter."""

@@ -1,19 +1,28 @@
-"""Topic maps: what each topic feeds, in which unit and frame; nothing is guessed."""
+"""Topic maps: what each topic feeds, in which unit and frame; nothing is guessed.
 
-from collections.abc import Mapping
+In one to start from, what only a person knows is left open. Units are those of REP 103,
+SI, stated so that they can be checked. What no message tells (frames, directions, which
+number feeds what) is missing, so the map does not load until it is filled in.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+import yaml
 from pydantic import Field
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.files.schema_parts import MappingSchema, validated
+from orbident.files.schema_parts import MappingSchema, read_yaml_mapping, validated
 from orbident.files.text import read_text
-from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.recordings.columns import VECTORS, is_known, vector_columns
+from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.topics.entry import Entry
-from orbident.recordings.topics.fields import Table
-from orbident.recordings.topics.messages import MESSAGE_TYPES
+from orbident.recordings.topics.fields import Table, missing_of
+from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
+from orbident.recordings.topics.presets import preset_path, preset_topics, presets
+from orbident.recordings.topics.survey import Surveyed
 
 SCHEMA = "orbident/topic-map/1"
 
@@ -66,3 +75,199 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
         known = suggestion(kind, TYPES, "types")
         raise InputError(f"{place}: type: '{kind}' cannot be mapped; {known}")
     return validated(TYPES[kind], {**document, "type": kind}, place)
+
+
+_UNITS = {
+    "gyro": "rad/s",
+    "accelerometer": "m/s^2",
+    "attitude": "quaternion",
+    "position": "m",
+    "velocity": "m/s",
+    "force": "N",
+    "torque": "N m",
+}
+_SHOWN = 100
+"""Fields that are listed."""
+
+
+def proposed_table(group: Group) -> Iterable[str]:
+    """Lines of YAML: the time, what has a column's name already, and the fields."""
+    time = group.time
+    if time is None:
+        yield "# TODO stamp: {<the field that holds the time>: s}, or ms, us, ns"
+    else:
+        unit = group.unit(time) or "s"
+        yield f"stamp: {{{as_yaml(time)}: {unit}}}  # check the unit: s, ms, us or ns"
+    known = _known(group)
+    if known:
+        yield "take:  # SI where the file tells no unit; check the units"
+        yield from (f"  {as_yaml(name)}: {unit}" for name, (unit, _) in known.items())
+        yield "fields:"
+        yield from (f"  {as_yaml(name)}: {what}" for name, (_, what) in known.items())
+        if any(name in VECTORS for name in known):
+            yield "frame: base  # check; else 'rotation: [x, y, z, w]' to the base's"
+            yield "point: S  # check that the feature point is what is measured"
+    else:
+        yield "# TODO what is taken, with its unit, and the fields that it is made of:"
+        yield "# take: {joint.<name>.position: rad, gyro: deg/s}"
+        yield "# fields: {joint.<name>.position: q1, gyro: [wx, -wy, wz]}"
+        yield "# frame: base"
+    names = [
+        f"{name} in {group.unit(name)}" if group.unit(name) else name
+        for name in listed_fields(group)
+        if name != time
+    ]
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    yield "# fields that there are:"
+    for start in range(0, min(len(names), _SHOWN), 5):
+        part = names[start : min(start + 5, _SHOWN)]
+        yield f"#   {', '.join(' '.join(each.split()) for each in part)}"
+    if more:
+        yield f"#  {more}"
+    for name, field in group.fields.items():
+        if field.problem:
+            yield " ".join(f"# {name} {field.problem}".split())
+
+
+def _known(group: Group) -> dict[str, tuple[str, str]]:
+    """Columns of a recording that stand in the table under their own names."""
+    found = {}
+    for name in VECTORS:
+        parts = vector_columns(name)
+        if name in _UNITS and all(each in group.fields for each in parts):
+            unit = group.unit(parts[0]) or _UNITS[name]
+            found[name] = unit, f"[{', '.join(parts)}]"
+    for name in group.fields:
+        if is_known(name) and name.startswith(("joint.", "wheel.")):
+            last = name.rsplit(".", 1)[1]
+            unit = "rad" if last == "position" else "rad/s"
+            found[name] = group.unit(name) or unit, as_yaml(name)
+    return found
+
+
+def as_yaml(name: str) -> str:
+    """A name as YAML writes it, quoted where it must be."""
+    listed = yaml.safe_dump([name], default_flow_style=True, allow_unicode=True)
+    return listed.strip()[1:-1]
+
+
+_SI = "# REP 103 says SI; check that the sender keeps to it"
+_FRAME = (
+    "# TODO 'frame: base' if its axes are the base's, else 'rotation: [x, y, z, w]',",
+    "#      which turns vectors from its axes to the base's",
+)
+_POINT = (
+    "# TODO 'point: S' if {what} the robot's feature_point;",
+    "#      else move feature_point there, or take less",
+)
+
+
+def proposed_map(surveyed: Sequence[Surveyed]) -> str:
+    """The YAML text of a topic map; a person completes it at each TODO."""
+    lines = [
+        "# Proposed by 'orbident topics'. Decide at every TODO; delete the topics that",
+        "# are not needed. Two topics cannot feed one column: keep the better one.",
+        *(
+            f"# '--preset {name}' maps topics of this file; it may do instead."
+            for name in presets()
+            if _fits(name, surveyed)
+        ),
+        f"schema: {SCHEMA}",
+        "topics:",
+    ]
+    for each in surveyed:
+        topic = each.topic
+        if not topic.count:
+            lines.append(f"  # {topic.name} ({topic.type}) has nothing to take")
+            continue
+        if isinstance(topic, Group):
+            body = ["type: table", *proposed_table(topic)]
+        else:
+            propose = _PROPOSALS.get(topic.type)
+            if propose is None or each.example is None:
+                lines.append(f"  # {topic.name} ({topic.type}) cannot be mapped")
+                continue
+            body = [f"type: {topic.type}", *propose(each)]
+        lines.append(f"  - topic: {as_yaml(topic.name)}")
+        lines += [f"    {line}" for line in body]
+    return "\n".join(lines) + "\n"
+
+
+def _fits(name: str, surveyed: Sequence[Surveyed]) -> bool:
+    """Whether a preset maps at least two of the topics, or the only one."""
+    topics = {each.topic.name: each.topic for each in surveyed}
+    wanted = min(2, len(topics))
+    if len(preset_topics(name).intersection(topics)) < wanted:
+        return False
+    entries = load_topic_map(preset_path(name))
+    found = {each.topic for each in entries if not missing_of(each, topics)}
+    return len(found) >= wanted
+
+
+def _joint_states(found: Surveyed) -> Iterable[str]:
+    units = {"position": "rad", "velocity": "rad/s"}
+    given = {key: u for key, u in units.items() if len(getattr(found.example, key))}
+    yield _take(given or units)
+    yield "# TODO prismatic joints (m, m/s) need an entry of their own"
+    yield "joints:  # name in the messages: name in the robot"
+    yield from (f"  {as_yaml(name)}: {as_yaml(name)}" for name in found.labels)
+    yield "# TODO move reaction wheels to"
+    yield "# wheels: {name in the messages: name in the robot}"
+
+
+def _vectors(found: Surveyed) -> Iterable[str]:
+    kind, taken, said = found.topic.type, {}, []
+    for name in PATHS[kind]:
+        x = getattr(found.example, "orientation", None)
+        if name == "attitude" and x is not None and not any((x.x, x.y, x.z, x.w)):
+            said = ["# its orientation is all zero, so attitude is left out"]
+        else:
+            taken[name] = _UNITS[name]
+    yield _take(taken)
+    yield from said
+    if kind == "nav_msgs/Odometry":
+        yield "# TODO twist: child (as the message is defined), or parent"
+    elif "pose" in MESSAGE_TYPES[kind].model_fields:
+        yield "# TODO pose: base-in-inertial, or inertial-in-base"
+    yield from _FRAME
+    yield from (line.format(what=_AT_S[kind]) for line in _POINT)
+
+
+def _transform(found: Surveyed) -> Iterable[str]:
+    pairs = [label.split(" -> ") for label in found.labels]
+    if len(pairs) == 1:
+        yield f"parent: {as_yaml(pairs[0][0])}"
+        yield f"child: {as_yaml(pairs[0][1])}"
+    else:
+        yield "# TODO parent and child, one of"
+        for parent, child in pairs:
+            yield f"# parent: {as_yaml(parent)}, child: {as_yaml(child)}"
+    yield from _vectors(found)
+
+
+def _float64(found: Surveyed) -> Iterable[str]:
+    del found
+    yield "# TODO take: {wheel.<name>.speed: rad/s}, or another column, and its unit"
+
+
+_TRACKED = "the body that is tracked has its origin at"
+_AT_S = {
+    **dict.fromkeys(PATHS, _TRACKED),
+    "sensor_msgs/Imu": "the accelerometer is at",
+    "nav_msgs/Odometry": "the child frame has its origin at",
+    "geometry_msgs/WrenchStamped": "the torque is about",
+}
+"""What of a message may be the feature point."""
+
+_PROPOSALS: Mapping[str, Callable[[Surveyed], Iterable[str]]] = {
+    **dict.fromkeys(PATHS, _vectors),
+    "sensor_msgs/JointState": _joint_states,
+    "geometry_msgs/TransformStamped": _transform,
+    "tf2_msgs/TFMessage": _transform,
+    "std_msgs/Float64": _float64,
+}
+
+
+def _take(units: Mapping[str, str]) -> str:
+    listed = ", ".join(f"{key}: {name}" for key, name in units.items())
+    return f"take: {{{listed}}}  {_SI}"

@@ -10,8 +10,8 @@ from orbident.errors import InputError
 from orbident.estimation.output_error.beforehand import carried_rows
 from orbident.estimation.output_error.joint_laws import joint_laws
 from orbident.estimation.solution import OUTSIDE
+from orbident.model.kinematics import carried_inertia
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.springs import carried_inertia
 from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.description import Passive, Robot
 

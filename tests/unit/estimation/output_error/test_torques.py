@@ -20,8 +20,7 @@ from orbident.estimation.unknowns import CalibrationFit
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Coupling, GearedRotor, Robot
-from orbident.robot.friction import Friction
+from orbident.robot.description import Coupling, Friction, GearedRotor, Robot
 from orbident.robot.sensor_schema import declared_sensors
 
 DT, STD = 0.05, 0.2

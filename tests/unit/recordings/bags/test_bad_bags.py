@@ -27,8 +27,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from orbident.errors import InputError
 from orbident.recordings.bags.bag import _whole_until
 from orbident.recordings.topics.convert import ConversionReport, convert_file
-from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
+from orbident.recordings.topics.topic_map import proposed_map
 
 MS = 1_000_000
 IMU = "  - {topic: /imu, type: sensor_msgs/Imu, take: {gyro: rad/s}, frame: base}\n"

@@ -15,9 +15,8 @@ from scipy.spatial.transform import Rotation
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import ConversionReport, convert_file
-from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
-from orbident.recordings.topics.topic_map import load_topic_map
+from orbident.recordings.topics.topic_map import load_topic_map, proposed_map
 
 N = 50
 T = np.arange(N) * 0.01

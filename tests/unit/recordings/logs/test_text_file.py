@@ -9,8 +9,8 @@ from conversions import HEAD
 from orbident.errors import InputError
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import convert_file
-from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
+from orbident.recordings.topics.topic_map import proposed_map
 
 T = 0.05 * np.arange(40)
 Q = 0.5 + T

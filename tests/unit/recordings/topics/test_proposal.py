@@ -21,9 +21,12 @@ from bag_writers import (
 
 from orbident.errors import InputError
 from orbident.recordings.topics.convert import convert_file
-from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
-from orbident.recordings.topics.topic_map import MESSAGE_TYPES, load_topic_map
+from orbident.recordings.topics.topic_map import (
+    MESSAGE_TYPES,
+    load_topic_map,
+    proposed_map,
+)
 
 MS = 1_000_000
 

@@ -1,0 +1,293 @@
+"""What a model and a robot file say of joints beside where they are.
+
+Which of them follow others, through however many between them; joints on springs that
+nobody measures, such as panels, booms and fuel as a pendulum; the motors' rotors; and
+friction.
+"""
+
+import json
+import math
+from collections.abc import Collection, Mapping, Sequence
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from pydantic import BeforeValidator
+
+from orbident.errors import InputError
+from orbident.files.names import quoted
+from orbident.files.schema_parts import Name, WrongValueError, keys_of
+from orbident.robot.description import (
+    NO_ROTOR,
+    Coupling,
+    Friction,
+    GearedRotor,
+    Joint,
+    Passive,
+    Robot,
+    Structure,
+)
+from orbident.robot.tolerances import EVERY
+from orbident.robot.urdf import Urdf
+
+
+def couplings_of(
+    urdf: Urdf, moving: Collection[str]
+) -> tuple[tuple[Coupling, ...], list[str]]:
+    """The couplings of a robot's joints.
+
+    Args:
+        urdf: its joints say what they mimic.
+        moving: the names of the robot's joints.
+
+    Returns:
+        Couplings to joints that follow none, and a warning for each joint that follows
+        what does not move.
+
+    Raises:
+        InputError: joints follow each other in a circle.
+    """
+    mimics = {joint.name: joint.mimic for joint in urdf.joints}
+    couplings, warnings = [], []
+    for name in moving:
+        leader, factor, offset = name, 1.0, 0.0
+        passed = [name]
+        while (mimic := mimics[leader]) is not None:
+            # q = factor (multiplier q' + mimic.offset) + offset
+            offset += factor * mimic.offset
+            factor *= mimic.multiplier
+            leader = mimic.joint
+            if leader in passed:
+                raise InputError(
+                    f"{urdf.place}: joint '{name}' mimics itself by way of '{leader}'; "
+                    "take out one <mimic>"
+                )
+            passed.append(leader)
+        if leader == name:
+            continue
+        if leader in moving:
+            couplings.append(Coupling(name, leader, factor, offset))
+        else:
+            warnings.append(
+                f"joint '{name}' mimics '{leader}', which is no joint that moves here: "
+                "it is taken as independent"
+            )
+    return tuple(couplings), warnings
+
+
+class CoupledJoints(NamedTuple):
+    """`q = lead q_free + offset`: all joints, of those that follow none."""
+
+    free: list[int]
+    """Which joints follow none."""
+    lead: Float[np.ndarray, "joints free"]
+    offset: Float[np.ndarray, " joints"]
+    """rad or m."""
+
+
+def coupled_joints(robot: Robot) -> CoupledJoints:
+    """How the robot's joints follow those that move by themselves."""
+    at = {name: k for k, name in enumerate(robot.joint_names)}
+    lead, offset = np.eye(len(at)), np.zeros(len(at))
+    for follower, leader, factor, shift in robot.couplings:
+        lead[at[follower]] = factor * lead[at[leader]]
+        offset[at[follower]] = shift
+    followers = {coupling.follower for coupling in robot.couplings}
+    free = [k for name, k in at.items() if name not in followers]
+    return CoupledJoints(free, lead[:, free], offset)
+
+
+def _alike(given: object) -> object:
+    """Joints that are like another one have its numbers."""
+    if not isinstance(given, dict):
+        return given
+    found = dict[Any, Any](given)
+    for name, entry in given.items():
+        other = entry.get("like") if isinstance(entry, dict) else None
+        if other is None:
+            continue
+        model = given.get(other)
+        if set(entry) - {"like", "inertia"}:
+            raise WrongValueError(
+                f"{name}: like: {other} gives frequency and damping; leave out the rest"
+            )
+        if not isinstance(model, dict) or "like" in model or other == name:
+            raise WrongValueError(
+                f"{name}: like: {quoted(other)}: name another joint beside it, with a "
+                "frequency of its own"
+            )
+        found[name] = model | entry
+    return found
+
+
+PassiveSection = Annotated[
+    dict[Name, Annotated[Passive, keys_of(Passive)]], BeforeValidator(_alike)
+]
+"""As a robot file has it: springs by joint."""
+
+
+def check_passive(
+    passive: Collection[str], couplings: Sequence[Coupling], place: str
+) -> None:
+    """Refuse passive joints that do not move freely.
+
+    Args:
+        passive: names of joints of the robot.
+        couplings: which of its joints follow others.
+        place: the robot file's name, for messages.
+
+    Raises:
+        InputError: one follows another, or another follows it.
+    """
+    for each in couplings:
+        for name in {each.follower, each.leader} & {*passive}:
+            raise InputError(
+                f"{place}: passive.{name}: '{each.follower}' follows '{each.leader}' "
+                "in the model, and a passive joint moves by itself; leave out one"
+            )
+
+
+def require_measured(
+    robot: Robot, what: str, instead: str = "leave out 'passive'"
+) -> None:
+    """Refuse a robot with joints that nobody measures.
+
+    Args:
+        robot: of any kind.
+        what: needs all joints, in words.
+        instead: what to do, in words.
+
+    Raises:
+        InputError: it has such joints.
+    """
+    for name in robot.passive:
+        raise InputError(
+            f"{robot.name}: joint '{name}' is passive, and {what} takes joints that "
+            f"are all driven and measured; {instead}"
+        )
+
+
+NONE = "none"
+"""In place of a rotor, or of all: the joint's motor has no gear."""
+
+ALONG = 1e-6
+"""How far from an axis of a body a unit vector may be: files print few digits."""
+
+
+def _or_none(given: object) -> object:
+    return NO_ROTOR._asdict() if given == NONE else given
+
+
+RotorEntry = Annotated[GearedRotor, keys_of(GearedRotor), BeforeValidator(_or_none)]
+RotorSection = Annotated[
+    dict[Name, RotorEntry],
+    BeforeValidator(lambda given: {EVERY: NONE} if given == NONE else given),
+]
+"""As a robot file has it: rotors by joint, or `none`."""
+
+
+def rotors_by_joint(
+    given: Mapping[str, GearedRotor],
+    joints: Sequence[Joint],
+    bodies: Sequence[str],
+    structure: Mapping[str, Structure],
+    place: str,
+) -> dict[str, GearedRotor]:
+    """The rotors of a robot's joints, all of them where the file says `none`.
+
+    Raises:
+        InputError: the joint slides, or a rotor has another axis than those of a body
+            whose products of inertia are known to be zero.
+    """
+    if given == {EVERY: NO_ROTOR}:
+        return dict.fromkeys([joint.name for joint in joints], NO_ROTOR)
+    at = {joint.name: k for k, joint in enumerate(joints)}
+    for name, rotor in given.items():
+        joint = joints[at[name]]
+        if joint.kind == "prismatic" and rotor != NO_ROTOR:
+            raise InputError(
+                f"{place}: rotors.{name}: the joint slides, and only rotors that turn "
+                "with a joint that turns are known here; leave it out"
+            )
+        axes = {at[name] + 1: joint.axis, joint.parent: joint.R_PJ @ joint.axis}
+        for body, a in axes.items():
+            known = structure.get(bodies[body], Structure()).principal_axes
+            if known and rotor != NO_ROTOR and np.abs(a).max() < 1 - ALONG:
+                raise InputError(
+                    f"{place}: rotors.{name}: its axis is none of '{bodies[body]}', so "
+                    f"that momentum shows products of inertia: leave principal_axes "
+                    f"out of structure.{bodies[body]}"
+                )
+    return dict(given)
+
+
+def armature_stds(
+    rotors: Mapping[str, GearedRotor], joints: Sequence[Joint]
+) -> dict[str, float]:
+    """Standard deviations of `N (N - 1) J` by joint, kg m^2 or kg.
+
+    They are infinite where nothing is said of a joint's motor.
+    """
+    said = {joint.name: rotors.get(joint.name) for joint in joints}
+    return {
+        name: math.inf
+        if rotor is None
+        else abs(rotor.gear * (rotor.gear - 1)) * rotor.inertia * rotor.tolerance
+        for name, rotor in said.items()
+    }
+
+
+def proposed_rotors(
+    urdf: Urdf, joints: Sequence[Joint], said: Collection[str]
+) -> list[str]:
+    """What to say of the rotors that a model knows of, in words.
+
+    Args:
+        urdf: whose joints have gears and armatures.
+        joints: those that move.
+        said: joints of which the robot file says it already.
+    """
+    turning = {j.name for j in joints if j.kind == "revolute"} - set(said)
+    words = []
+    for joint in urdf.joints:
+        gear, armature = joint.gear, joint.armature
+        if joint.name not in turning or (gear is None and not armature):
+            continue
+        ratio = "?" if gear is None else f"{gear:.6g}"
+        inertia = f"{armature / gear**2:.4g}" if gear and armature else "?"
+        if armature and gear is None:
+            inertia = f"{armature:.4g} / gear^2"
+        # Quoted where YAML would read something else.
+        name = joint.name if joint.name.isidentifier() else json.dumps(joint.name)
+        words.append(f"{name}: {{gear: {ratio}, inertia: {inertia}}}")
+    if not words:
+        return []
+    return [
+        "the model has motors with gears or armatures, of which momentum shows a part: "
+        f"give rotors: {{{', '.join(words)}}} in a robot file, or rotors: none"
+    ]
+
+
+FrictionSection = dict[Name, Annotated[Friction, keys_of(Friction)]]
+"""As a robot file has it: friction by joint."""
+
+
+def check_friction(
+    friction: Collection[str], passive: Collection[str], place: str
+) -> None:
+    """Refuse friction of joints that nobody drives.
+
+    Args:
+        friction: names of joints of the robot.
+        passive: those that are on springs.
+        place: the robot file's name, for messages.
+
+    Raises:
+        InputError: one of them is passive.
+    """
+    for name in friction:
+        if name in passive:
+            raise InputError(
+                f"{place}: friction.{name}: the joint is passive, and its damping is "
+                "among 'passive'; leave out one"
+            )
