@@ -121,7 +121,7 @@ def pulses_put_right(problem: MomentumProblem) -> Iterator[Trial]:
         )
         recording = _shifted(recording, shown.late)
     if causes:
-        yield amended_trial(" and ".join(causes), problem, robot, recording)
+        yield amended_trial(" and ".join(causes), problem, robot, recording, True)
 
 
 def slow_duty(problem: MomentumProblem) -> str | None:

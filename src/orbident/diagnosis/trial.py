@@ -55,22 +55,33 @@ class Trial(NamedTuple):
 
 
 def trial(
-    cause: str, problem: MomentumProblem, free: Mapping[str, float] = NOTHING_FREE
+    cause: str,
+    problem: MomentumProblem,
+    free: Mapping[str, float] = NOTHING_FREE,
+    likely: bool = False,
 ) -> Trial:
     """Identify by output error, and judge.
+
+    Most trials explain nothing: only of one that does it is asked what else acts.
 
     Args:
         cause: what is put right in it.
         problem: as it would be.
         free: standard deviations beforehand of errors of instruments, by family; SI.
+        likely: whether samples show it, so that it is asked in any case what else acts.
     """
     driven = joints_with_torques(problem.robot, problem.recording)
     if obstacles(problem, bool(driven)):
         return Trial(cause, False, np.inf)
+    found = _by(OutputError(steps=FEW_STEPS, tested=False, free=free), cause, problem)
+    if found.accepted or found.fits or likely:
+        return _by(OutputError(steps=FEW_STEPS, free=free), cause, problem)
+    return found
+
+
+def _by(estimator: OutputError, cause: str, problem: MomentumProblem) -> Trial:
     try:
-        shown = OutputError(steps=FEW_STEPS, free=free).estimate(
-            problem, lambda _: None
-        )
+        shown = estimator.estimate(problem, lambda _: None)
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
@@ -84,9 +95,10 @@ def amended_trial(
     problem: MomentumProblem,
     robot: Robot | None = None,
     recording: Recording | None = None,
+    likely: bool = False,
 ) -> Trial:
     """Identify with another robot file or recording; what is impossible fits badly."""
     try:
-        return trial(cause, problem.amended(robot, recording))
+        return trial(cause, problem.amended(robot, recording), likely=likely)
     except InputError:
         return Trial(cause, False, np.inf)

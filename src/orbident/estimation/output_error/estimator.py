@@ -87,6 +87,8 @@ class OutputError:
     """The most steps that the search takes with one set of the sensors' weights; where
     fewer than usual find no least cost, and the fit is bad, it is not asked what else
     acts."""
+    tested: bool = True
+    """Whether it is asked if something acts more than it may."""
     others: Shared | None = None
     """What other recordings of the same robot say; the search starts there."""
     free: Mapping[str, float] = field(default_factory=dict)
@@ -228,6 +230,7 @@ class OutputError:
             {name for name, each in sensors.by_name.items() if each.declared},
             step,
             self.steps,
+            self.tested,
         )
 
 

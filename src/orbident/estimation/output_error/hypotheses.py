@@ -74,6 +74,8 @@ class Search:
     progress: Callable[[], object]
     steps: int
     """At most, for the weights of each round."""
+    tested: bool
+    """Whether it is asked if something acts more than it may."""
 
     @property
     def hasty(self) -> bool:
@@ -178,7 +180,7 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     found = expected = search.settled(first)
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
-    tested = search.problem.t.size <= LONGEST
+    tested = search.tested and search.problem.t.size <= LONGEST
     tested &= solution.converged or not (search.hasty and _bad(search.problem, cost))
     zeros = _zeros(search.problem, solution, tested)
     while tested and len(freed) < ROUNDS:
