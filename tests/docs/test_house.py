@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 315,
-    "lines": 61_505,
+    "lines": 61_433,
     "files of estimation": 50,
     "lines of estimation": 11_455,
     "files with one user": 68,

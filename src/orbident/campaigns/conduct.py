@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -48,20 +48,12 @@ from orbident.recordings.tables import write_recording
 from orbident.threads import one_thread
 
 
-@dataclass(frozen=True)
-class Failure:
-    """A run that could not be made."""
-
-    k: int
-    document: dict[str, Any]
-    """What was drawn, and why it failed, as JSON has it."""
-
-
 class Chunk(NamedTuple):
     """What a worker gives back."""
 
     rows: tuple[Row, ...]
-    failures: tuple[Failure, ...]
+    failures: tuple[dict[str, Any], ...]
+    """Runs that could not be made: what was drawn, and why, as JSON has it."""
     versions: dict[str, str]
     """The versions of the libraries that computed the chunk."""
 
@@ -75,7 +67,7 @@ def run_chunk(campaign: Campaign, runs: range) -> Chunk:
         runs: their numbers.
     """
     rows: list[Row] = []
-    failures: list[Failure] = []
+    failures: list[dict[str, Any]] = []
     for k in runs:
         case = campaign.case(k)
         try:
@@ -131,9 +123,9 @@ def _row(
     return row
 
 
-def _failure(case: Case, error: Exception) -> Failure:
+def _failure(case: Case, error: Exception) -> dict[str, Any]:
     kind = type(error).__name__
-    document = {
+    return {
         "run": case.k,
         "robot": case.subject.robot.name,
         "draws": _draws(case),
@@ -141,7 +133,6 @@ def _failure(case: Case, error: Exception) -> Failure:
         "reason": " ".join(str(error).split()) or kind,
         "traceback": traceback.format_exception(error),
     }
-    return Failure(case.k, document)
 
 
 def _draws(case: Case) -> dict[str, float]:
@@ -308,6 +299,6 @@ def _keep(folder: Path, runs: range, chunk: Chunk, schema: pa.Schema) -> None:
         with writing(folder):
             (folder / FAILED).mkdir(exist_ok=True)
     for failure in chunk.failures:
-        text = json.dumps(failure.document, indent=1)
-        write_text(folder / FAILED / f"{failure.k}.json", text)
+        text = json.dumps(failure, indent=1)
+        write_text(folder / FAILED / f"{failure['run']}.json", text)
     write_rows(path_of(folder, runs), chunk.rows, schema)

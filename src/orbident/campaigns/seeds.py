@@ -47,7 +47,7 @@ class StudyRuns:
     elapsed_s: float
 
     @property
-    def counts(self) -> dict[str, float]:
+    def counts(self) -> dict[str, Any]:
         """As `study --json` gives them."""
         names = "seeds", "rejected", "elapsed_s"
         return {name: getattr(self, name) for name in names}
