@@ -11,12 +11,12 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 315,
-    "lines": 61_433,
-    "files of estimation": 50,
-    "lines of estimation": 11_455,
-    "files with one user": 68,
-    "imports below each other": 31,
+    "files": 297,
+    "lines": 61_474,
+    "files of estimation": 48,
+    "lines of estimation": 11_453,
+    "files with one user": 65,
+    "imports below each other": 29,
     "numbers without a reason": 38,
 }
 

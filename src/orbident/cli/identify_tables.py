@@ -6,10 +6,8 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from orbident.data_table import DataTable, Numeric
+from orbident.data_table import DataTable, Numeric, TableRow
 from orbident.estimation.quantities import (
-    HEAD,
-    parameter_line,
     parameter_rows,
 )
 from orbident.model.core_robot import IN_FORMULAS, geared_joints
@@ -27,6 +25,9 @@ NOTES = 2
 
 LITTLE = 1.05
 """Times: what widens deviations by less is not worth a number."""
+
+HEAD = f"  {'':10} {'estimate':>12} {'std':>9} {'CAD':>12} {'sigmas':>8} {'%':>8}"
+"""`sigmas` and `%`: the difference from CAD in standard deviations, and in percent."""
 
 COLUMNS = 80
 """The width of a terminal, as it opens nearly everywhere."""
@@ -82,7 +83,7 @@ def _everything(result: Any) -> list[str]:
         if not found.names:
             continue
         rows = parameter_rows(found, range(len(found.names)))
-        whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
+        whole = (f"{_parameter_line(row):75} {row.note}" for row in rows)
         lines += ["", title[0].lower() + title[1:], HEAD, *whole]
     if geared_joints(result.robot):
         lines += ["", IN_FORMULAS]
@@ -94,6 +95,13 @@ def _everything(result: Any) -> list[str]:
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
     )
     return [*lines, "", f"condition numbers: {condition}", ""]
+
+
+def _parameter_line(row: TableRow) -> str:
+    """A row as text, without its note."""
+    name, value, std, unit, _, nominal, sigmas, percent = map(str, row.cells)
+    numbers = f"{value:>12} {std:>9} {nominal:>12} {sigmas:>8} {percent:>8}"
+    return f"  {name:10} {numbers}  {unit}"
 
 
 def _masses(result: Any) -> list[str]:

@@ -240,9 +240,6 @@ class Identified(JsonPart):
 MOST = 9
 """Parameters that fit, with what stands around them, a terminal of 24 lines."""
 
-HEAD = f"  {'':10} {'estimate':>12} {'std':>9} {'CAD':>12} {'sigmas':>8} {'%':>8}"
-"""`sigmas` and `%`: the difference from CAD in standard deviations, and in percent."""
-
 WIDEST = 27
 """Letters of a physical name that stand, with all beside it, on a line of 80."""
 
@@ -319,10 +316,3 @@ def _short_line(found: EstimatedSet, k: int) -> str:
     off = Numeric(found.sigmas[k], "+.1f" if abs(found.sigmas[k]) < 100 else "+.0f")
     numbers = f"{name:8} {value:>9} {std:>7} {nominal:>9} {off!s:>6} {unit}"
     return f" {what:{WIDEST}} {numbers}"
-
-
-def parameter_line(row: TableRow) -> str:
-    """A row as text, without its note."""
-    name, value, std, unit, _, nominal, sigmas, percent = map(str, row.cells)
-    numbers = f"{value:>12} {std:>9} {nominal:>12} {sigmas:>8} {percent:>8}"
-    return f"  {name:10} {numbers}  {unit}"

@@ -219,12 +219,20 @@ class _MjcfReader:
     def _is_of_robot(self, tie: _Tie, name: str) -> bool:
         """False of scenery; true of all whose place is not known."""
         model = self.model
-        if tie.kind == "joint":
-            body = model.jnt_bodyid[model.joint(name).id]
-        elif tie.kind in {"connect", "weld"}:
-            body = model.site(name).bodyid[0] if tie.of_sites else model.body(name).id
-        else:
-            return True
+        try:
+            if tie.kind == "joint":
+                body = model.jnt_bodyid[model.joint(name).id]
+            elif tie.kind not in {"connect", "weld"}:
+                return True
+            elif tie.of_sites:
+                body = model.site(name).bodyid[0]
+            else:
+                body = model.body(name).id
+        except KeyError:
+            raise InputError(
+                f"{self.place}: <equality> <{tie.kind}> names {name!r}, which the "
+                "model does not have; correct the name"
+            ) from None
         return int(body) in self.anchors
 
     def _ref(self, joint: str) -> float:

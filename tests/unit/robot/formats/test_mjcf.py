@@ -95,6 +95,10 @@ BAD = {
         servicer(after=EQUALITY.format("<connect body1='arm' anchor='0 0 0'/>")),
         "<equality> <connect> of 'arm' closes a loop or holds the robot",
     ),
+    "a loop of a body that is not there": (
+        servicer(after=EQUALITY.format("<weld body1='gone' body2='gone'/>")),
+        "<equality> <weld> names 'gone', which the model does not have",
+    ),
     "two joints by a parabola": (
         servicer(SECOND, after=EQUALITY.format(FOLLOWS.format("0 1 2"))),
         "<equality> <joint> of 'k', 'j' closes a loop",
