@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from orbident.robot.couplings import coupled_joints
 from random_robots import random_planar_robot, random_robot, random_wheels
 
 from orbident.errors import InputError
@@ -20,6 +19,7 @@ from orbident.excitation.design import (
 from orbident.excitation.guarantee import NODES, floated, proven_within
 from orbident.excitation.joint_limits import inner_point, joint_motions, polytope_of
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import coupled_joints
 from orbident.trajectories.trajectory import Trajectory
 
 # Rounding of coefficients that cancel: of some hundred, to 1e-13.

@@ -248,7 +248,7 @@ def _tried(
     All others are tried in the order of what they would explain to first order, until
     the CPU's time is at its end.
     """
-    problem, shown, trials, rival = solved.problem, solved.shown, list[Trial](), NONE
+    problem, trials, rival = solved.problem, list[Trial](), NONE
     late = dict[str, float]()
 
     def far_clocks(problem: MomentumProblem) -> Iterable[Trial]:
@@ -269,7 +269,7 @@ def _tried(
         missing_wheel,
         near_clocks,
         # What lasts explains much of anything.
-        partial(lasting_errors, shown=shown),
+        partial(lasting_errors, shown=solved.shown),
     ):
         for one in some(problem):
             trials.append(_sure(one, before))

@@ -24,9 +24,9 @@ from orbident.recordings.derivatives import HALF, derivatives
 SMALL = np.array([1e-5, 1e-6])
 """s and s^2: far below what would be seen."""
 
-CLEAR = 4.0
-"""Times the square of the time by which samples are late: what is smoothed, or swings,
-is no more late than that."""
+CLEAR = 25.0
+"""Times the square of the time by which samples are late: what is smoothed about its
+middle, or swings, is not late, and what is late by a fifth of it may be late alone."""
 
 Slopes = tuple[Float[np.ndarray, "n axes"], Float[np.ndarray, "n axes"]]
 """The first and the second derivative by time."""

@@ -139,10 +139,10 @@ def _gain(r: Float[np.ndarray, "n axes"], part: float, rows: float) -> float:
     return float(2 * np.sum(shown - shown / S - np.log(S)))
 
 
-def lasting_errors(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
-    """Identify again with each sensor whose errors may last."""
+def lasting_errors(problem: MomentumProblem, shown: Estimate | None) -> Iterator[Trial]:
+    """Identify again with each sensor whose errors may last; none without a fit."""
     one = float(np.log(problem.samples.t.size))
-    for errors in lasting(problem, shown):
+    for errors in lasting(problem, shown) if shown else ():
         # Its size and its time are what the residuals gave.
         if errors.gain - 2 * one > WORTH:
             found = _trial(errors.words, problem, errors.sensors)

@@ -2,7 +2,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from orbident.robot.couplings import coupled_joints
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import conditions_for, limits_of
@@ -12,6 +11,7 @@ from orbident.excitation.joint_limits import (
     joint_motions,
     polytope_of,
 )
+from orbident.robot.joint_schema import coupled_joints
 from orbident.robot.robot_file import load_robot
 
 NAMES = ("joint1", "joint2")

@@ -2,10 +2,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from orbident.robot.couplings import coupled_joints
 
 from orbident.excitation.conditions import conditions_for
 from orbident.excitation.joint_limits import joint_motions
+from orbident.robot.joint_schema import coupled_joints
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import Trajectory
 
