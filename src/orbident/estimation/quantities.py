@@ -240,10 +240,10 @@ class Identified(JsonPart):
 MOST = 9
 """Parameters that fit, with what stands around them, a terminal of 24 lines."""
 
-WIDEST = 27
+WIDEST = 25
 """Letters of a physical name that stand, with all beside it, on a line of 80."""
 
-BESIDE = f"{'':8} {'estimate':>9} {'std':>7} {'CAD':>9} {'sigmas':>6}"
+BESIDE = f"{'':8} {'estimate':>10} {'std':>7} {'CAD':>10} {'sigmas':>6}"
 """The head of what stands there."""
 
 
@@ -289,7 +289,7 @@ def short_table(found: EstimatedSet) -> list[str]:
     """Lines of at most `MOST` parameters, and how far the others are from CAD."""
     shown = most_different(found, MOST)
     lines = [
-        f" {'':{WIDEST}} {BESIDE}",
+        f"{'':{WIDEST}} {BESIDE}",
         *(_short_line(found, k) for k in shown.tolist()),
     ]
     left = np.setdiff1d(np.arange(len(found.names)), shown)
@@ -313,6 +313,8 @@ def _short_line(found: EstimatedSet, k: int) -> str:
         map(str, row.cells) for row in parameter_rows(found, [k])
     )
     what = of_width(physical_name(name, found.formulas[k]), WIDEST)
-    off = Numeric(found.sigmas[k], "+.1f" if abs(found.sigmas[k]) < 100 else "+.0f")
-    numbers = f"{name:8} {value:>9} {std:>7} {nominal:>9} {off!s:>6} {unit}"
-    return f" {what:{WIDEST}} {numbers}"
+    far = abs(found.sigmas[k])
+    form = "+.1f" if far < 100 else "+.0f" if far < 10_000 else "+.1e"
+    off = Numeric(found.sigmas[k], form)
+    numbers = f"{name:8} {value:>10} {std:>7} {nominal:>10} {off!s:>6} {unit}"
+    return f"{what:{WIDEST}} {numbers}"

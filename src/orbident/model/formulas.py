@@ -128,16 +128,17 @@ def physical_name(name: str, formula: str) -> str:
 
 def of_width(text: str, width: int) -> str:
     """A text whose body's name is cut in its middle if it is too long."""
+    if len(text) <= width:
+        return text
+    text = text.replace(" and beyond", " ...")
     over = len(text) - width
     if over <= 0:
         return text
     head, of, tail = text.partition(" of ")
-    body, beyond = tail.removesuffix(" and beyond"), ""
-    if body != tail:
-        beyond = " and beyond"
+    body = tail.removesuffix(" ...")
     kept = max(len(body) - over - 2, 2)
     cut = f"{body[: kept // 2 + kept % 2]}..{body[len(body) - kept // 2 :]}"
-    return f"{head}{of}{cut}{beyond}"
+    return f"{head}{of}{cut}{tail[len(body) :]}"
 
 
 def mass_forms(

@@ -22,7 +22,7 @@ from orbident.estimation.quantities import (
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
 from orbident.model.core_robot import IN_FORMULAS, geared_joints
-from orbident.model.formulas import named
+from orbident.model.formulas import physical_name
 from orbident.report.charts import heat_map, interval_list, shares_across
 from orbident.report.page import Chart, Section
 
@@ -189,18 +189,21 @@ def _table(
 ) -> DataTable:
     which = range(len(found.names)) if shown is None else shown.tolist()
     far = np.abs(found.sigmas) > FAR
-    words = isinstance(found, BaseSet)
     rows = (
-        TableRow(
-            (named(str(name), note) if words else name, *cells), note, bool(far[k])
-        )
-        for k, ((name, *cells), note, _) in zip(
-            which, parameter_rows(found, which), strict=True
-        )
+        TableRow(cells, _in_words(found, k), marked=bool(far[k]))
+        for k, (cells, *_) in zip(which, parameter_rows(found, which), strict=True)
     )
     before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
     head = (*before, known_as, *after)
     return DataTable(title, head, tuple(rows), folded=folded)
+
+
+def _in_words(found: EstimatedSet, k: int) -> str:
+    """The formula of a parameter; before it, of a base parameter, what that is."""
+    name, formula = found.names[k], found.formulas[k]
+    if not isinstance(found, BaseSet):
+        return formula
+    return f"{physical_name(name, formula)} = {formula}"
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
