@@ -29,11 +29,11 @@ def frame(columns: Mapping[str, Any], index: Any, name: str) -> Any:
 DIGITS = 6
 """The most significant ones, also where the deviation is smaller."""
 
-LARGEST = 5
-"""The power of ten beyond which a number is written with one,"""
+SMALLEST, LARGEST = -4, 5
+"""Powers of ten of a number's first digit beyond which it is written with a power."""
 
 FINEST = -9
-"""and so where its last digit is beyond this."""
+"""The power of ten of a number's last digit below which it is written with a power."""
 
 
 def power_of_ten(value: float) -> int:
@@ -50,7 +50,8 @@ def last_digit(value: float, std: float) -> int:
 def plain(value: float, last: int) -> str:
     """A finite number as plain text, to the power of ten of its last digit."""
     power = power_of_ten(value)
-    if (power >= last and power > LARGEST) or last < FINEST:
+    beyond = power >= last and not SMALLEST <= power <= LARGEST
+    if beyond or last < FINEST:
         return f"{value:.{max(power - last, 0)}e}"
     # Without a sign where nothing is left.
     return f"{round(value, -last) + 0.0:.{max(-last, 0)}f}"
@@ -80,7 +81,7 @@ class Numeric(NamedTuple):
         last = last_digit(value, self.std or 0.0) if isfinite(value) else 0
         if isfinite(value) and last > power_of_ten(value) - DIGITS + 1:
             return plain(value, last)
-        # The deviation leaves all digits that are shown.
+        # The number is surer than six digits say: all that its form has are shown.
         return f"{self.value:{self.form}}"
 
 

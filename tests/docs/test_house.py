@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 297,
-    "lines": 61_480,
+    "lines": 61_470,
     "files of estimation": 48,
     "lines of estimation": 11_455,
     "files with one user": 65,

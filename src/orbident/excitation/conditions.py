@@ -58,7 +58,7 @@ class Limits:
     table: TableSize = ANY_TABLE
     """On which S, the joints' origins and the tips of the last links stay."""
     impulse: float = INFINITE
-    """Of all thrusters together, N s."""
+    """Impulse of all thrusters together, N s."""
 
     @property
     def by_name(self) -> dict[str, float]:
@@ -84,7 +84,7 @@ class BaseExtremes(NamedTuple):
     table: TableSize | None
     """The smallest table; None in space."""
     impulse: float = 0.0
-    """Of all thrusters together, N s."""
+    """Impulse of all thrusters together, N s."""
 
     def beside(self, limits: Limits) -> list[tuple[str, float, float]]:
         """Each with the name of its limit before it, and the limit after it."""

@@ -10,10 +10,11 @@ One descent: sequential quadratic programming (SLSQP of SciPy), exact gradients.
 """
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -246,22 +247,17 @@ class Searched:
 
 
 @dataclass(eq=False)
-class MotionSearch:
+class MotionSearch(ABC):
     """Motions of one kind, searched with an effort."""
 
     effort: Effort
     report: Callable[[Progress], object]
     """Is called after each start and descent."""
     searched: Searched = field(default_factory=Searched, init=False)
-    until: ClassVar[float] = 1.0
-    """Share of a budget after which no start begins."""
 
-    def start(self) -> None:
-        """Draw a motion, and keep it if it keeps to its limits."""
-        raise NotImplementedError
-
-    def refine(self) -> None:
-        """Make the best ones better, once all starts are made."""
+    @abstractmethod
+    def search(self) -> None:
+        """Draw motions while the effort allows; keep those within their limits."""
 
     def later(self, starts: float) -> float:
         """How much more there is to do after so many starts, in starts."""
@@ -275,9 +271,7 @@ class MotionSearch:
         """
         searched = self.searched
         try:
-            while self.effort.begins(searched, self.until):
-                self.start()
-            self.refine()
+            self.search()
         except KeyboardInterrupt:
             # Without a first motion there is nothing to keep.
             if not searched.random:
@@ -305,16 +299,16 @@ class JointSearch(MotionSearch):
     spaces: Sequence[SearchSpace]
     """Random motions are drawn from each in turn."""
     seed: int
-    """Of the random motions."""
-    until: ClassVar[float] = FIRST.until
+    """Seed of the generator that draws the random motions."""
 
-    def start(self) -> None:
-        """Descend from a random motion, or a good one with a random joint."""
-        random = np.random.default_rng([self.seed, self.searched.starts])
-        self._descend(self._drawn(random), FIRST)
+    def search(self) -> None:
+        """Descend from each start, from some optima again, and from the best of them.
 
-    def refine(self) -> None:
-        """Descend from some optima again, and from the best of these once more."""
+        A start is a random motion, or a good one with a random joint.
+        """
+        while self.effort.begins(self.searched, FIRST.until):
+            random = np.random.default_rng([self.seed, self.searched.starts])
+            self._descend(self._drawn(random), FIRST)
         followed = ceil(self.searched.starts / FOLLOWED)
         self._again(None if self.effort.budget else followed, SECOND)
         self._again(POLISHED, LAST)

@@ -139,8 +139,12 @@ class PulseSearch(MotionSearch):
     random: np.random.Generator
     brakes: Brakes
 
-    def start(self) -> None:
-        """Draw a sequence; keep it within its limits."""
+    def search(self) -> None:
+        """Draw sequences, and keep those within their limits."""
+        while self.effort.begins(self.searched, 1.0):
+            self._draw()
+
+    def _draw(self) -> None:
         searched, robot, given = self.searched, self.robot, self.given
         drawn = _sequence(robot, given, self.brakes, self.random)
         if drawn.pulses and drawn.over(given.limits) <= 0:

@@ -313,7 +313,8 @@ class PoseErrors(NamedTuple):
 
     identified: dict[str, float]
     nominal: dict[str, float]
-    """The same with the robot file's bodies, and thrust as it was recorded."""
+    """By the robot file's bodies in place of the identified ones, and thrust as it was
+    recorded."""
 
 
 def pose_errors(result: Result, recording: Recording) -> PoseErrors:

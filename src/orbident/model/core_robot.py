@@ -133,8 +133,8 @@ def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
 
 
 UNKNOWN = GearedRotor(2.0, 0.0, 0.0)
-"""Of a joint whose gear nobody has declared: what is momentum has the base parameters,
-whatever the gear, and a joint's own entry of `H+` needs `N (N - 1) J` alone."""
+"""Stands for a rotor whose gear nobody has declared. Base parameters hold its momentum,
+whatever the gear is, and a joint's own entry of `H+` needs `N (N - 1) J` alone."""
 
 
 def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Robot:

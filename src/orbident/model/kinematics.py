@@ -157,7 +157,7 @@ def inertia_at(robot: Robot, q: Float[np.ndarray, " joints"]) -> Inertia:
 
 
 def carried_inertia(robot: Robot, joint: int) -> Float[np.ndarray, " theta"]:
-    """By each entry of `theta`, the inertia of what a joint carries, about its axis.
+    """The inertia of what a joint carries, about its axis, per unit of each `theta`.
 
     Its product with `theta` is in kg m^2, or in kg for a joint that slides. Joints
     beyond it are at zero.

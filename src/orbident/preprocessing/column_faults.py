@@ -265,7 +265,7 @@ def unwrapped(
     period: float = 2 * np.pi,
     steady: float = np.inf,
 ) -> Float[np.ndarray, " samples"]:
-    """The same angle with whole periods added, so that it goes on as it went before.
+    """An angle that was wrapped, with whole periods added so that it does not leap.
 
     `x_k = angle_k + period n`, the closest to `x_{k-1} + rate (t_k - t_{k-1})`, with
     the median of the last five rates. So gaps may last several turns while the rate is

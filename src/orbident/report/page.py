@@ -16,12 +16,11 @@ from typing import Any, NamedTuple, TypeGuard
 import numpy as np
 
 from orbident.data_table import (
-    FINEST,
-    LARGEST,
     Cell,
     DataTable,
     Interval,
     last_digit,
+    plain,
     power_of_ten,
 )
 from orbident.estimation.checks import Check, Level
@@ -29,9 +28,6 @@ from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import numbers
-
-SMALLEST = -4
-"""The power of ten below which a number is written with one."""
 
 NONE = "\N{EN DASH}"
 """Instead of what is not known."""
@@ -89,15 +85,9 @@ def typeset(cell: Cell) -> str:
 
 
 def _to(value: float, last: int) -> str:
-    power = power_of_ten(value)
-    beyond = power >= last and not SMALLEST <= power <= LARGEST
-    if beyond or last < FINEST:
-        mantissa, exponent = f"{value:.{max(power - last, 0)}e}".split("e")
-        text = f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}"
-    else:
-        # Without a sign where nothing is left.
-        text = f"{round(value, -last) + 0.0:.{max(-last, 0)}f}"
-    return text.replace("-", "\N{MINUS SIGN}")
+    mantissa, _, exponent = plain(value, last).partition("e")
+    power = f"·10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
+    return mantissa.replace("-", "\N{MINUS SIGN}") + power
 
 
 class Chart(NamedTuple):

@@ -160,7 +160,7 @@ class Friction(NamedTuple):
     anything, as friction that nobody has measured may."""
 
     def std(self, value: float) -> float:
-        """Of one of the three, beforehand; infinite where it may be anything."""
+        """Standard deviation of one parameter beforehand; infinite if it is unknown."""
         return math.inf if self.tolerance is None else abs(self.tolerance * value)
 
 
