@@ -4,7 +4,8 @@ import os
 
 import pytest
 from campaign_of_mistakes import all_rows
-from mistakes import MISTAKES, QUICK, by_name
+from mistake import Mistake
+from mistakes import MISTAKES, QUICK, REAL_EFFECTS, by_name
 from recordings import ROBOTS, clean
 from remembered_fits import fits_remembered
 from scoring import Row, row, scored
@@ -116,3 +117,10 @@ def test_there_are_enough_mistakes():
     assert len(names) == len(set(names))
     for robot in ROBOTS:
         assert sum(robot in mistake.robots for mistake in MISTAKES) >= 60
+
+
+@pytest.mark.parametrize("mistake", [*MISTAKES, *REAL_EFFECTS], ids=lambda x: x.name)
+def test_every_row_of_the_tables_can_be_recorded(mistake: Mistake):
+    """What the long tables try in half an hour begins here."""
+    for robot in mistake.robots:
+        assert mistake.spoil(clean(robot)).recording.t.size

@@ -150,7 +150,7 @@ def loose(part: float, size: float, period: float) -> Spoil:
         joints = WithLoose(clean.joints, size, 2 * np.pi / period)
         true = motion_of(actual, joints, clean.start, clean.t)
         own = len(clean.robot.joints)
-        seen = true._replace(q=true.q[:, :own], qd=true.qd[:, :own])
+        seen = true._replace(q=true.q[:, :own], qd=true.qd[:, :own], tau=None)
         return spoiled(clean, recording=clean.recorded(seen))
 
     return spoil
