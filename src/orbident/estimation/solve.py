@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import root_scalar
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import EstimatedParameters, Known
@@ -36,6 +36,7 @@ from orbident.estimation.recursive.history import Recursive
 from orbident.estimation.residual_checks import residual_checks
 from orbident.extras import provided
 from orbident.files.names import joined
+from orbident.gaussian import NINETY_FIVE
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import KnownQuantities, Robot
@@ -63,12 +64,16 @@ def since_the_last_change(
 ) -> tuple[tuple[Change, ...], Evidence]:
     """The changes that output error confirms, and what it makes of all after the last.
 
+    There are none where one robot fits the whole: what acts looks like a change, too.
+
     Args:
         problem: of the whole recording.
         suspected: by a filter, in their order.
         progress: is called with the fraction of the work that is done.
     """
     confirmed, begin = list[Change](), -np.inf
+    if _between(problem, -np.inf, np.inf):
+        suspected = ()
     doubt = EARLIER * float(np.median(np.diff(problem.recording.t)))
     ends = [*(change.t - doubt for change in suspected), np.inf]
     before = _between(problem, begin, ends[0])
@@ -76,7 +81,7 @@ def since_the_last_change(
         progress(done / len(ends))
         # A later alarm may be none: the whole rest tells most where it fits.
         after = _between(problem, change.t, np.inf) or _between(problem, change.t, end)
-        if _differ(before, after):
+        if before and after and not same_robot(before, after):
             confirmed.append(change)
             begin, before = change.t, after
         else:
@@ -110,15 +115,8 @@ def _cut(problem: MomentumProblem, begin: float, end: float) -> MomentumProblem:
     return known.amended(recording=recording.between(begin, end))
 
 
-def _differ(before: Estimate | None, after: Estimate | None) -> bool:
-    """Whether both parts are fitted, by other parameters."""
-    return bool(before and after and not same_robot(before, after))
-
-
 WITHIN = 0.95
 """So often an interval of 95 % holds what is true."""
-BESIDE = float(ndtri((1 + WITHIN) / 2))
-"""Deviations to either side of such an interval."""
 
 
 def difference(one: Known, other: Known) -> float:
@@ -198,7 +196,7 @@ def _part(off: Float[np.ndarray, " n"], C: Float[np.ndarray, "n n"]) -> float:
     r = off[std > 0] / std[std > 0]
 
     def more(part: float) -> float:
-        half = BESIDE * np.sqrt(1 + part * r**2)
+        half = NINETY_FIVE * np.sqrt(1 + part * r**2)
         return float(np.mean(ndtr(half - r) - ndtr(-half - r)) - WITHIN)
 
     # Differences of rounding size change no interval.
@@ -305,8 +303,7 @@ def solved_by(
     if isinstance(estimator, OutputError):
         return Solved(problem, [], shown, shown)
     whole = in_whole(problem)
-    given = shown.given() if whole else None
-    if given is not None:
+    if whole and (given := shown.given()) is not None:
         problem = problem.without(given)
     estimate = estimator.estimate(problem, progress)
     off = difference(estimate.parameters.base, shown.parameters.base)
@@ -327,11 +324,14 @@ def _in_parts(
     if found is None or not found.changes:
         return None
     changes, last = since_the_last_change(problem, found.changes, progress)
-    # The linear equations, too, are of one robot.
-    whole = replace(problem, fits=last.problem.fits)
-    estimate = replace(estimator, changes=changes).estimate(whole, lambda _: None)
     if last.shown is None:
         return None
+    estimator = replace(estimator, changes=changes)
+    if not changes:
+        return solved_by(estimator, last.problem, last.shown, progress)
+    # The linear equations, too, are of one robot.
+    problem = replace(problem, fits=last.problem.fits)
+    estimate = estimator.estimate(problem, lambda _: None)
     off = difference(estimate.parameters.base, last.shown.parameters.base)
     wider = widened(estimate, last.shown, whole=True)
     return Solved(last.problem, [], wider, last.shown, off)
