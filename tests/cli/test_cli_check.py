@@ -46,7 +46,8 @@ def test_a_robot_file_beside_a_model(orbident: Orbident):
     assert document["wheels"] == ["rw_1"]
     orbident("new", "b.yaml", "--model", "no.urdf").refused("no.urdf")
     orbident("new", "b.yaml", "--model", "robot.yaml").refused("give a URDF, xacro")
-    orbident("new", "b.yaml", "--model", "arm.urdf", "--dh").refused("--dh")
+    for own in (("--dh",), ("--joints", 3), ("--wheels", 0)):
+        orbident("new", "b.yaml", "--model", "arm.urdf", *own).refused(own[0])
 
 
 def test_what_carries_an_arm_replaces_its_base(orbident: Orbident):

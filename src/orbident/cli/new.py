@@ -18,11 +18,13 @@ def new(
         typer.Argument(metavar="FILE", help="The robot file to write (.yaml)."),
     ],
     joints: Annotated[
-        int, typer.Option(help="Number of joints of the arm.", min=1, max=60)
-    ] = 3,
+        int | None,
+        typer.Option(help="Number of joints of the arm (default: 3).", min=1, max=60),
+    ] = None,
     wheels: Annotated[
-        int, typer.Option(help="Number of reaction wheels.", min=0, max=60)
-    ] = 3,
+        int | None,
+        typer.Option(help="Number of reaction wheels (default: 3).", min=0, max=60),
+    ] = None,
     dh: Annotated[
         bool,
         typer.Option("--dh", help="Describe the arm by a Denavit-Hartenberg table."),
@@ -47,11 +49,16 @@ def new(
         raise oi.InputError(f"{robot}: give a name that ends in .yaml")
     if model is not None and model.suffix.lower() not in SUFFIXES:
         raise oi.InputError(f"{model}: give {KINDS}")
-    if model is not None and dh:
-        raise oi.InputError("--model and --dh each describe the arm; give one of them")
+    own = {"--dh": dh, "--joints": joints is not None, "--wheels": wheels is not None}
+    if model is not None and any(own.values()):
+        raise oi.InputError(
+            f"--model and {next(name for name in own if own[name])} each describe the "
+            "robot; give one of them"
+        )
     check_free(robot, force)
     if model is None:
         name, taken = name_of(robot.with_suffix("")), ()
+        joints, wheels = (3 if n is None else n for n in (joints, wheels))
         text = new_robot_text(name, joints, wheels, table=dh)
     else:
         described = oi.load_robot(model)
