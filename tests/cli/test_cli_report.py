@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,16 @@ def test_identify_writes_one(orbident: Orbident, run: Path):
     checksum = hashlib.sha256(Path("r.csv").read_bytes()).hexdigest()
     assert checksum in page
     kept = json.loads((run / "result.json").read_text())
-    assert kept["input"] == {"file": "r.csv", "sha256": checksum}
+    command = "orbident identify paper-spatial r.csv -o run --method least-squares"
+    date = kept["input"]["date"]
+    when = datetime.strptime(date, "%Y-%m-%d %H:%M:%S UTC").replace(tzinfo=UTC)
+    assert 0 <= (datetime.now(UTC) - when).total_seconds() < 600
+    assert kept["input"] == {
+        **{"file": "r.csv", "sha256": checksum, "command": command, "date": date}
+    }
+    assert {"orbident", "numpy", "scipy", "python"} == kept["versions"].keys()
+    shown = {command, date, *kept["versions"].values()}
+    assert all(f">{each}</td>" in page for each in shown)
     assert kept["motion"]["joints"]["joint1"]["position"][0] < 0.1
 
     orbident("report", run).refused("run/report.html: exists already", "--force")

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 import orbident as oi
-from orbident.cli.options import Force
+from orbident.cli.options import Force, as_typed
 from orbident.cli.output import Output, progress
 
 RUN = "run"
@@ -104,7 +104,7 @@ def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], A
         for name, recording in zip(FLIGHTS, (flown.first, flown.other), strict=True):
             oi.write_recording(recording, new / name)
         known = {"file": FLIGHTS[0], "sha256": sha256(new / FLIGHTS[0])}
-        result = replace(result, input=known)
+        result = replace(result, input=known | as_typed())
         return keep(result, flown.robot, flown.first, out / RUN, force), result
 
 

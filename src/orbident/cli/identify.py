@@ -13,6 +13,7 @@ from orbident.cli.options import (
     MomentumKnown,
     RobotName,
     Start,
+    as_typed,
     cut_to_times,
 )
 from orbident.cli.output import Output, progress
@@ -125,7 +126,7 @@ def identify(
         for recording in recordings
     ]
     origin = files[0] if len(files) == 1 else {"recordings": files}
-    result = replace(result, input=origin)
+    result = replace(result, input=origin | as_typed())
     shown = tables[0] if isinstance(tables[0], oi.Recording) else tables[0].digest
     unmade = [] if out is None else keep(result, described, shown, out, force)
     output.warn([*unmade, *warnings_of(result, everything)])

@@ -1,5 +1,9 @@
 """Arguments and options that several verbs share."""
 
+import os
+import shlex
+import sys
+from datetime import UTC, datetime
 from math import inf
 from pathlib import Path
 from typing import Annotated, Any
@@ -105,6 +109,16 @@ MomentumKnown = Annotated[
         "the paper, the first sample is subtracted (Eq. 24).",
     ),
 ]
+
+
+def as_typed() -> dict[str, str]:
+    """The command line of this run, and the date and time (UTC) of its result."""
+    typed = os.fsencode(shlex.join(["orbident", *sys.argv[1:]]))
+    return {
+        # A file's name may be no text.
+        "command": typed.decode(errors="backslashreplace"),
+        "date": f"{datetime.now(UTC):%Y-%m-%d %H:%M:%S} UTC",
+    }
 
 
 def cut_to_times(table: Any, start: float | None, end: float | None) -> Any:

@@ -9,7 +9,7 @@ import typer
 
 import orbident as oi
 from orbident.choices import StudyNoise
-from orbident.cli.options import Force, Workers
+from orbident.cli.options import Force, Workers, as_typed
 from orbident.cli.output import Output, progress
 from orbident.errors import InputError
 
@@ -183,7 +183,7 @@ def _keep(
         _check_free(out, name, force)
         recording = _write_data(done, name, new)
         known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
-        result = replace(done.result, input=known)
+        result = replace(done.result, input=known | as_typed())
         try:
             _draw(done, result, f"Study: {name}", cut_offs, new)
         except MissingLibraryError as refusal:

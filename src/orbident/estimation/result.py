@@ -116,8 +116,10 @@ RecordingFile = TypedDict(
 
 
 class RecordingSource(RecordingFile, total=False):
-    """What a result was identified from."""
+    """What a result was identified from, by which command, and when (UTC)."""
 
+    command: str
+    date: str
     recordings: list[RecordingFile]
 
 

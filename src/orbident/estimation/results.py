@@ -1,5 +1,6 @@
 """The result of an estimate and its checks."""
 
+import platform
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
@@ -89,7 +90,7 @@ def result_of(
         },
         samples=problem.fits.samples,
         elapsed_s=elapsed_s,
-        versions=versions(),
+        versions={**versions(), "python": platform.python_version()},
         fits=problem.fits,
         motion=motion_of(
             problem.robot,

@@ -69,6 +69,9 @@ def references(result: Result) -> Section:
 
 
 def _settings(result: Result) -> Iterator[tuple[str, ...]]:
+    for name in ("command", "date"):
+        if name in result.input:
+            yield name, result.input[name]
     yield "method", result.method
     yield "initial momentum", result.initial_momentum
     for file in result.input.get("recordings", [result.input]):
