@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 297,
-    "lines": 61_498,
+    "files": 298,
+    "lines": 61_658,
     "files of estimation": 48,
     "lines of estimation": 11_458,
-    "files with one user": 65,
+    "files with one user": 66,
     "imports below each other": 29,
     "numbers without a reason": 38,
 }

@@ -7,6 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
+from numpy.typing import ArrayLike
 
 from orbident.data_table import frame
 from orbident.errors import InputError
@@ -27,6 +28,7 @@ from orbident.recordings.columns import (
     part_of,
     vector_columns,
 )
+from orbident.recordings.simulators import columns_of_basilisk, columns_of_mujoco
 from orbident.robot.description import Robot
 
 
@@ -129,6 +131,46 @@ class Recording:
         check_names(source, [name for name, _ in columns])
         by_name = dict(columns)
         return cls(t=by_name.pop("t"), columns=by_name, source=source)
+
+    @classmethod
+    def from_mujoco(
+        cls, robot: Robot, model: Any, t: ArrayLike, qpos: ArrayLike, qvel: ArrayLike
+    ) -> "Recording":
+        """The recording of a flight that MuJoCo has simulated, without noise.
+
+        Args:
+            robot: Its joints and wheels have the names of the model's joints.
+            model: An `mujoco.MjModel` whose base floats on its only free joint.
+            t: `MjData.time` of each row, s.
+            qpos: The rows of `MjData.qpos`, samples by `nq`.
+            qvel: The rows of `MjData.qvel`, samples by `nv`. Let the integrator be RK4:
+                the momentum of the others is not constant.
+
+        Raises:
+            InputError: The arrays are not the model's, it lacks a joint of the robot,
+                or `Recording` refuses the values.
+        """
+        rows = np.asarray(qpos, float), np.asarray(qvel, float)
+        return cls.of({"t": t, **columns_of_mujoco(robot, model, *rows)}, "MuJoCo")
+
+    @classmethod
+    def from_basilisk(
+        cls, robot: Robot, states: Any, wheels: Any = None, joints: Sequence[Any] = ()
+    ) -> "Recording":
+        """The recording of a flight that Basilisk has simulated, without noise.
+
+        Args:
+            robot: Its `feature_point` is the hub's origin, [0, 0, 0].
+            states: The recorder of `scStateOutMsg`.
+            wheels: The recorder of `rwSpeedOutMsg`: the robot's wheels in its order.
+            joints: The recorders of `spinningBodyOutMsgs` (or of translating bodies),
+                in the order of the robot's joints.
+
+        Raises:
+            InputError: There are more or fewer wheels or joints than the robot has,
+                recorders differ in their times, or `Recording` refuses the values.
+        """
+        return cls.of(columns_of_basilisk(robot, states, wheels, joints), "Basilisk")
 
     def __repr__(self) -> str:
         """Where it is from, how long it is, and what was measured."""

@@ -191,11 +191,11 @@ class Target:
         if self.name != "attitude" or self.unit == "quaternion":
             return raw * self.si
         if self.unit == "mrp":
-            return _of_mrp(raw)
+            return of_mrp(raw)
         return _of_angles(raw * self.si)
 
 
-def _of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
+def of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
     """`x = (2 s, 1 - s.s) / (1 + s.s)`, modified Rodrigues parameters."""
     square = np.sum(sigma**2, axis=1, keepdims=True)
     return np.hstack([2 * sigma, 1 - square]) / (1 + square)
