@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 297,
-    "lines": 61_470,
+    "lines": 61_587,
     "files of estimation": 48,
-    "lines of estimation": 11_455,
+    "lines of estimation": 11_460,
     "files with one user": 65,
     "imports below each other": 29,
     "numbers without a reason": 38,
