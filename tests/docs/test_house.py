@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 297,
-    "lines": 61_587,
+    "lines": 61_664,
     "files of estimation": 48,
     "lines of estimation": 11_460,
     "files with one user": 65,

@@ -87,13 +87,14 @@ def test_torques_of_a_motion(seed, shape, wheels, engine):
     q, qd, qdd = random.standard_normal((3, STATES, K))
     w = random.standard_normal((STATES, 3))
     qd_rw = 200 * random.standard_normal((STATES, wheels))
-    found = dynamics_of(robot).torques(q, qd, qdd, w=w, qd_rw=qd_rw)
+    qdd_rw = 10 * random.standard_normal((STATES, wheels))
+    found = dynamics_of(robot).torques(q, qd, qdd, w=w, qd_rw=qd_rw, qdd_rw=qdd_rw)
     whole, still = wheels_as_joints(robot), np.zeros((STATES, wheels))
     rows = zip(
         np.hstack([q, still]),
         w,
         np.hstack([qd, qd_rw]),
-        np.hstack([qdd, still]),
+        np.hstack([qdd, qdd_rw]),
         strict=True,
     )
     expected = np.array([engine(whole, *row)[:K] for row in rows])

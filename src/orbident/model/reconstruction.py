@@ -204,11 +204,12 @@ class Dynamics:
         *,
         w: Float[np.ndarray, "*n 3"] | None = None,
         qd_rw: Float[np.ndarray, "*n wheels"] | None = None,
+        qdd_rw: Float[np.ndarray, "*n wheels"] | None = None,
         friction: bool = False,
     ) -> Float[np.ndarray, "*n joints"]:
         """The joint torques of a motion where nothing acts from outside (Eq. 13).
 
-        The base floats as the motion of the joints makes it; wheels hold their speeds.
+        The base floats as the motion of joints and wheels makes it.
 
         Args:
             q: joint positions, rad or m.
@@ -217,6 +218,7 @@ class Dynamics:
             w: base rate, base axes, rad/s; by default that of a robot without angular
                 momentum, wheels included.
             qd_rw: speeds of the wheels relative to the base, rad/s; by default zero.
+            qdd_rw: their accelerations, rad/s^2; by default zero.
             friction: whether to add what friction takes, as torques at joints showed
                 it, else as the robot file declares it: NaN where neither does.
 
@@ -233,13 +235,14 @@ class Dynamics:
             ("qd", qd, joints),
             ("qd_rw", qd_rw, wheels),
             ("qdd", qdd, joints),
+            ("qdd_rw", qdd_rw, wheels),
         ):
             none = np.zeros((*q.shape[:-1], size))
             v.append(none if given is None else self._sized(given, name, size))
             self._check_rows(q, **{name: v[-1]})
-        of_joints, v_dot = slice(6, 6 + joints), self._at_rest(q)
-        v_dot[..., of_joints] = v.pop()
-        q, v = self._state(q, np.concatenate([np.zeros_like(v[0]), *v], axis=-1))
+        of_joints, none = slice(6, 6 + joints), np.zeros((*q.shape[:-1], 3))
+        v_dot = np.concatenate([none, none, *v[3:]], axis=-1)
+        q, v = self._state(q, np.concatenate([none, *v[:3]], axis=-1))
         if w is None:
             turning = np.flatnonzero(movable(self.robot)[3:6]) + 3
             H = self._equations(q, v)[0][..., turning, :]
