@@ -53,7 +53,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.extent import RecordedMotion
-from orbident.robot.description import NO_ROTOR, Robot
+from orbident.robot.description import NO_ROTOR, Friction, Robot
 
 SCHEMA = "orbident/result/2"
 
@@ -327,12 +327,19 @@ class Result(BesideParameters, Identified):
     def dynamics(self) -> Dynamics:
         """`H+`, `c+` and Jacobians from `(pi, phi, M)` (Eq. 16); no CAD inertia used.
 
+        Rotors and friction are those that torques at joints showed, where they did.
+
         Raises:
             InputError: the result is rejected or not complete, or no mechanism has
                 such parameters.
         """
         self.check_accepted()
+        rubbed = {
+            name: Friction(fit.viscous, fit.coulomb, fit.offset)
+            for name, fit in self.drives.items()
+        }
         robot = self._with_rotors(self.drives)
+        robot = replace(robot, friction={**robot.friction, **rubbed})
         return reconstructed(robot, self.base.values, self.base_covariance)
 
     def _with_rotors(self, names: Collection[str]) -> Robot:

@@ -7,28 +7,39 @@ parameters, and chi-square distributed where the result is right. Momentum, bias
 the noise of every sensor, filtered or raw, are accounted for in both.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Float
 from pydantic import Field
+from scipy.interpolate import CubicSpline
 
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import exact_std
 from orbident.estimation.identify import identify
 from orbident.estimation.levels import chi_square
+from orbident.estimation.output_error.sensors import (
+    TORQUES,
+    joints_with_torques,
+    torque_column,
+)
 from orbident.estimation.result import Result
 from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import (
     WINDOW,
     PoseErrors,
+    Prediction,
     pose_errors,
     predict,
     prediction_deviations,
 )
+from orbident.model.core_robot import friction_torques
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
+from orbident.model.reconstruction import Dynamics
+from orbident.preprocessing.delays import delays
 from orbident.preprocessing.wrenches import recorded_thrust
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
@@ -83,6 +94,11 @@ class Validation(JsonPart):
     windows of five seconds, over their RMS about their means there."""
     pose_by_nominal: dict[str, NullableNumber] = field(default_factory=dict)
     """The same by the robot file's bodies and thrust as recorded."""
+    torques: dict[str, NullableNumber] = field(default_factory=dict)
+    """Where torques of joints were recorded, by column: RMS of the error, sensor noise
+    included, over the RMS of the measured torque about its mean."""
+    torques_by_nominal: dict[str, NullableNumber] = field(default_factory=dict)
+    """The same by the robot file's bodies, rotors and friction."""
 
     def summary(self) -> list[str]:
         """The errors of every signal and what explains them, as lines of text."""
@@ -106,6 +122,11 @@ class Validation(JsonPart):
             f"{name:9} error over {WINDOW:g} s: {100 * error:.3g} % of the signal, by "
             f"the robot file's numbers {100 * self.pose_by_nominal[name]:.3g} %"
             for name, error in self.pose.items()
+        ]
+        lines += [
+            f"{name} error {100 * error:.3g} % of the signal, by the robot file's "
+            f"numbers {100 * self.torques_by_nominal[name]:.3g} %"
+            for name, error in self.torques.items()
         ]
         if self.dof:
             lines.append(
@@ -237,6 +258,12 @@ def scored(result: Result, recording: Recording) -> Validation:
     }
     rms = {name: _rms(predicted - true) for name, (predicted, true) in pairs.items()}
     size = {name: _rms(true - true.mean(axis=0)) for name, (_, true) in pairs.items()}
+    own, by_nominal = dict[str, NullableNumber](), dict[str, NullableNumber]()
+    if joints_with_torques(result.robot, recording):
+        nominal = Dynamics(result.robot, np.zeros((0, 0)))
+        scale = {name: each.value for name, each in result.calibration.items()}
+        own = _of_torques(result.dynamics(), scale, prediction, recording)
+        by_nominal = _of_torques(nominal, {}, prediction, recording)
     return Validation(
         nrmse={name: rms[name] / size[name] if size[name] else np.nan for name in rms},
         rms=rms,
@@ -249,7 +276,46 @@ def scored(result: Result, recording: Recording) -> Validation:
         noise={},
         verdict="not judged",
         reason="",
+        torques=own,
+        torques_by_nominal=by_nominal,
     )
+
+
+def _of_torques(
+    model: Dynamics,
+    errors: Mapping[str, float],
+    prediction: Prediction,
+    recording: Recording,
+) -> dict[str, NullableNumber]:
+    """The errors of torques by inverse dynamics along the measured motion.
+
+    Args:
+        model: whose torques they are, with the friction that is known.
+        errors: of instruments, by name: what torque sensors scale by is among them.
+        prediction: with what was measured.
+        recording: with the torques.
+    """
+    robot, t, seen = model.robot, prediction.t, prediction.measured
+    measured = seen.q, seen.qd, seen.w, seen.qd_rw
+    q, qd, w, qd_rw = (CubicSpline(t, each) for each in measured)
+    at = recording.t - delays(robot, recording, {})[TORQUES]
+    inside = (t[0] <= at) & (at <= t[-1])
+    at = at[inside]
+    rates = qd(at)
+    tau = model.torques(
+        q(at), rates, qd(at, 1), w=w(at), qd_rw=qd_rw(at), qdd_rw=qd_rw(at, 1)
+    )
+    tau += friction_torques(robot, rates)
+    found = dict[str, NullableNumber]()
+    for name in joints_with_torques(robot, recording):
+        k, column = robot.joint_names.index(name), torque_column(name)
+        shown = recording.columns[column][inside]
+        some = np.isfinite(shown)
+        size = np.std(shown[some]) if some.any() else 0.0
+        scale = 1 + errors.get(f"joint.{name}.torque_scale", 0.0)
+        off = _rms((scale * tau[:, [k]] - shown[:, None])[some])
+        found[column] = off / float(size) if size else np.nan
+    return found
 
 
 def _inside(

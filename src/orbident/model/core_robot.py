@@ -22,7 +22,12 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.files.names import listed
-from orbident.robot.description import NO_ROTOR, GearedRotor, Robot
+from orbident.robot.description import (
+    NO_FRICTION,
+    NO_ROTOR,
+    GearedRotor,
+    Robot,
+)
 from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
 
 
@@ -100,6 +105,20 @@ def rotors_of(robot: Robot) -> RotorArrays:
     rotors = [robot.rotors.get(name, NO_ROTOR) for name in robot.joint_names]
     N, J, tolerance = np.reshape(rotors, (-1, 3)).T.astype(float)
     return RotorArrays(N * J, N * (N - 1) * J, tolerance)
+
+
+def friction_of(robot: Robot) -> Float[np.ndarray, "joints 3"]:
+    """The declared friction of each joint: viscous, Coulomb, offset; or zero."""
+    friction = [robot.friction.get(name, NO_FRICTION) for name in robot.joint_names]
+    return np.reshape([each[:3] for each in friction], (-1, 3)).astype(float)
+
+
+def friction_torques(
+    robot: Robot, qd: Float[np.ndarray, "*n joints"]
+) -> Float[np.ndarray, "*n joints"]:
+    """What declared friction takes at these rates (see `Friction`), N m or N."""
+    viscous, coulomb, offset = friction_of(robot).T
+    return viscous * qd + coulomb * np.sign(qd) + offset
 
 
 def rotor_directions(robot: Robot) -> Float[np.ndarray, "joints theta"]:

@@ -54,6 +54,38 @@ def equations_of_motion(
     )
 
 
+class Motion(NamedTuple):
+    """Accelerations, and the forces that they take; base axes."""
+
+    v_dot: Float[np.ndarray, "n speeds"]
+    f_S: Float[np.ndarray, "n 3"]
+    """Specific force at S, m/s^2."""
+    Q: Float[np.ndarray, "n speeds"]
+
+
+def motion_with(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    v_dot: Float[np.ndarray, "n speeds"],
+    free: Bool[np.ndarray, " speeds"],
+) -> Motion:
+    """What `H+ v' + c+ = Q` gives where some of `v'` are known, and all other of `Q`.
+
+    Args:
+        robot: its `theta` decides.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
+        v_dot: known accelerations; zero of free speeds.
+        free: speeds on which no force acts.
+    """
+    core, n = core_robot(robot), processors()
+    known, Q = v_dot, np.zeros_like(v)
+    v_dot, f_S = _core.forward_dynamics(core, q, v, Q, known, free.astype(float), n)
+    at = equations_of_motion(robot, q, v)
+    return Motion(v_dot, f_S, np.einsum("nij,nj->ni", at.H, v_dot) + at.c)
+
+
 def deviations(
     robot: Robot,
     directions: Float[np.ndarray, "directions bodies 10"],

@@ -15,13 +15,18 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
-from orbident.model.core_robot import lacking_rotors, rotors_of
+from orbident.model.core_robot import (
+    friction_torques,
+    lacking_rotors,
+    rotors_of,
+)
 from orbident.model.equations_of_motion import (
     Wrench,
     deviations,
     equations_of_motion,
     generalised_forces,
     jacobian,
+    motion_with,
     movable,
     speeds,
 )
@@ -56,7 +61,7 @@ class Dynamics:
             f"{len(robot.joints)} joints and {len(robot.wheels)} wheels",
             lacking_rotors(robot),
             "H_plus(q), c_plus(q, v), equations(q, v), jacobian(q, body, point), "
-            "generalised_forces(q, joint_torques, wheel_torques)",
+            "generalised_forces(q, joint_torques, wheel_torques), torques(q, qd, qdd)",
         ]
         return "\n".join(filter(None, lines))
 
@@ -191,6 +196,68 @@ class Dynamics:
         Q = generalised_forces(self.robot, q, joint_torques, wheel_torques, wrenches)
         return self._shown(Q, rows=1)
 
+    def torques(
+        self,
+        q: Float[np.ndarray, "*n joints"],
+        qd: Float[np.ndarray, "*n joints"],
+        qdd: Float[np.ndarray, "*n joints"],
+        *,
+        w: Float[np.ndarray, "*n 3"] | None = None,
+        qd_rw: Float[np.ndarray, "*n wheels"] | None = None,
+        qdd_rw: Float[np.ndarray, "*n wheels"] | None = None,
+        friction: bool = False,
+    ) -> Float[np.ndarray, "*n joints"]:
+        """The joint torques of a motion where nothing acts from outside (Eq. 13).
+
+        The base floats as the motion of joints and wheels makes it.
+
+        Args:
+            q: joint positions, rad or m.
+            qd: joint rates, rad/s or m/s.
+            qdd: joint accelerations, rad/s^2 or m/s^2.
+            w: base rate, base axes, rad/s; by default that of a robot without angular
+                momentum, wheels included.
+            qd_rw: speeds of the wheels relative to the base, rad/s; by default zero.
+            qdd_rw: their accelerations, rad/s^2; by default zero.
+            friction: whether to add what friction takes, as torques at joints showed
+                it, else as the robot file declares it: NaN where neither does.
+
+        Returns:
+            Torques in N m, or forces in N of joints that slide.
+
+        Raises:
+            InputError: an argument has not the robot's size, or `w` leaves its plane.
+        """
+        q, v = self._sized(q, "q", self._joints), []
+        joints, wheels = self._joints, len(self.robot.wheels)
+        for name, given, size in (
+            ("w", w, 3),
+            ("qd", qd, joints),
+            ("qd_rw", qd_rw, wheels),
+            ("qdd", qdd, joints),
+            ("qdd_rw", qdd_rw, wheels),
+        ):
+            none = np.zeros((*q.shape[:-1], size))
+            v.append(none if given is None else self._sized(given, name, size))
+            self._check_rows(q, **{name: v[-1]})
+        of_joints, none = slice(6, 6 + joints), np.zeros((*q.shape[:-1], 3))
+        v_dot = np.concatenate([none, none, *v[3:]], axis=-1)
+        q, v = self._state(q, np.concatenate([none, *v[:3]], axis=-1))
+        if w is None:
+            turning = np.flatnonzero(movable(self.robot)[3:6]) + 3
+            H = self._equations(q, v)[0][..., turning, :]
+            h = np.einsum("...ij,...j->...i", H, v)
+            v[..., turning] = -np.linalg.solve(H[..., turning], h[..., None])[..., 0]
+        free = movable(self.robot)
+        free[6:] = False
+        states = np.atleast_2d(q), np.atleast_2d(v), np.atleast_2d(v_dot)
+        found = motion_with(self.robot, *states, free).Q[:, of_joints]
+        if friction:
+            known = [name in self.robot.friction for name in self.robot.joint_names]
+            rubbed = friction_torques(self.robot, states[1][:, of_joints])
+            found = found + np.where(known, rubbed, np.nan)
+        return found.reshape(q.shape)
+
     @property
     def _joints(self) -> int:
         return len(self.robot.joints)
@@ -221,16 +288,22 @@ class Dynamics:
             )
         return array
 
+    def _check_rows(
+        self, q: Float[np.ndarray, "*n joints"], **others: Float[np.ndarray, "*m k"]
+    ) -> None:
+        for name, each in others.items():
+            if q.shape[:-1] != each.shape[:-1]:
+                raise InputError(
+                    f"{self.robot.name}: q has shape {q.shape} and {name} "
+                    f"{each.shape}; give one row of each for every state"
+                )
+
     def _state(
         self, q: Any, v: Any
     ) -> tuple[Float[np.ndarray, "*n joints"], Float[np.ndarray, "*n speeds"]]:
         q = self._sized(q, "q", self._joints)
         v = self._sized(v, "v", speeds(self.robot))
-        if q.shape[:-1] != v.shape[:-1]:
-            raise InputError(
-                f"{self.robot.name}: q has shape {q.shape} and v {v.shape}; give one "
-                "row of each for every state"
-            )
+        self._check_rows(q, v=v)
         if (v[..., ~movable(self.robot)] != 0).any():
             raise InputError(
                 f"{self.robot.name}: v leaves the plane of a planar robot; give zero "

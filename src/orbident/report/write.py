@@ -194,6 +194,14 @@ def validation(scores: dict) -> Section:
     if poses:
         head = "pose", "error, % of signal", "by the robot file's numbers, %"
         tables = [table_of("Errors of poses, thrust included", head, poses)]
+    torques = [
+        (name, Numeric(100 * error), Numeric(100 * scores["torques_by_nominal"][name]))
+        for name, error in scores.get("torques", {}).items()
+        if error is not None
+    ]
+    if torques:
+        head = "torque", "error, % of signal", "by the robot file's numbers, %"
+        tables.append(table_of("Errors of torques at joints", head, torques))
     predicted = "Poses" if poses else "Base rates and velocities"
     by = "thrust" if poses else "the motion of joints and wheels"
     origin = "which was not used to identify"

@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot, wheels_of
-from orbident.model.equations_of_motion import equations_of_motion, movable
+from orbident.model.core_robot import friction_torques, wheels_of
+from orbident.model.equations_of_motion import motion_with, movable
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
-from orbident.robot.description import NO_FRICTION, Robot
+from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion
@@ -31,7 +30,6 @@ from orbident.simulation.sensor import (
     sensor_columns,
     stream,
 )
-from orbident.threads import processors
 
 
 class Accelerations(NamedTuple):
@@ -64,18 +62,14 @@ def accelerations(
     of_base, still = np.zeros((n, 3)), np.zeros_like(motion.qd_rw)
     v = np.hstack([of_base, motion.w, motion.qd, motion.qd_rw])
     known = np.hstack([of_base, of_base, qdd, still])
-    free = movable(robot).astype(float)
+    free = movable(robot)
     free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
-    vd, f_S = _core.forward_dynamics(
-        core_robot(robot), motion.q, v, np.zeros_like(v), known, free, processors()
-    )
-    at = equations_of_motion(robot, motion.q, v)
-    needed = np.einsum("nij,nj->ni", at.H, vd) + at.c
+    found = motion_with(robot, motion.q, v, known, free)
     return Accelerations(
-        w_dot=vd[:, 3:6],
-        qdd_rw=vd[:, 6 + joints :],
-        f_S=f_S,
-        tau=needed[:, 6 : 6 + joints],
+        w_dot=found.v_dot[:, 3:6],
+        qdd_rw=found.v_dot[:, 6 + joints :],
+        f_S=found.f_S,
+        tau=found.Q[:, 6 : 6 + joints],
     )
 
 
@@ -102,10 +96,7 @@ class Truth(NamedTuple):
         """What torque sensors see: also what the robot's friction takes."""
         if self.tau is None:
             return None
-        friction = [robot.friction.get(name, NO_FRICTION) for name in robot.joint_names]
-        viscous, coulomb, offset = np.reshape([x[:3] for x in friction], (-1, 3)).T
-        rubbed = viscous * self.qd + coulomb * np.sign(self.qd) + offset
-        return self.tau + np.asarray(rubbed, dtype=float)
+        return self.tau + friction_torques(robot, self.qd)
 
     def columns(self, robot: Robot) -> Columns:
         """All of it, by the names of a recording's columns."""

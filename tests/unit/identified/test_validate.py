@@ -1,10 +1,19 @@
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from clean_recordings import clean_space
+from clean_recordings import RATE, SENSORS, clean_space
+from random_motions import random_motion
 
 import orbident as oi
+from orbident.identified.validate import Validation
+from orbident.model.reconstruction import reconstructed
+from orbident.report.write import validation
+from orbident.robot.description import Friction
+from orbident.robot.sensor_schema import declared_sensors
+from orbident.simulation.measure import measure_truth, truth_of
+from orbident.simulation.simulate import float_along
 
 
 @pytest.fixture(scope="module")
@@ -54,3 +63,100 @@ def test_a_recording_that_is_wrong_is_no_proof(flown, result):
     assert scores.verdict == "not explained"
     assert "the recording is refused" in scores.reason
     assert np.isnan(scores.chi2)
+
+
+NOISE = 0.05
+"""N m, of a sample of a torque."""
+
+
+class Driven(NamedTuple):
+    """Torques that a result predicts, beside those that another way gives."""
+
+    scores: Validation
+    truth: Validation
+    """By the true robot, in place of CAD."""
+    by_cad: dict[str, float]
+    """Errors by CAD's dynamics at each true sample, as parts of the signals."""
+    noise: dict[str, float]
+    """Of one sample, as a part of the signals."""
+
+
+@pytest.fixture(scope="module")
+def driven() -> Driven:
+    """Joints with friction of which the robot file knows nothing; CAD is 10 % off."""
+    plant = oi.load_robot("paper-spatial")
+    plant = replace(
+        plant,
+        sensors=declared_sensors(
+            {"rate": RATE, **SENSORS, "torques": {"std": f"{NOISE} N m"}}
+        ),
+        friction=dict.fromkeys(plant.joint_names, Friction(0.5, 0.3, 0.02)),
+    )
+    anything = dict.fromkeys(plant.joint_names, np.inf)
+    cad = replace(
+        plant,
+        theta=plant.theta * np.array([1.1, 1.1, 0.9, 1.1])[:, None],
+        friction={},
+        tolerances=replace(
+            plant.tolerances,
+            joint_viscous=anything,
+            joint_coulomb=anything,
+            joint_torque_offset=anything,
+        ),
+    )
+    recordings = []
+    for seed in (1, 2):
+        motion = random_motion(plant, seed, 60.0, wheel_speed=100.0, start="turning")
+        flown, own = float_along(plant, motion, RATE), motion.for_robot(plant)
+        true = truth_of(plant, flown, own)
+        recordings.append(measure_truth(plant, flown.t, true, seed))
+    scores, truth = (
+        oi.validate(oi.identify(robot, recordings[0]), recordings[1])
+        for robot in (cad, plant)
+    )
+    beta = oi.minimal_sets(cad).beta(cad.theta)
+    model = reconstructed(cad, beta, np.zeros((beta.size, beta.size)))
+    q, qd, qdd = own.at(flown.t)
+    found = model.torques(q, qd, qdd, w=true.gyro, qd_rw=true.qd_rw)
+    shown = true.shown_torques(plant)
+    assert shown is not None
+    names = [f"joint.{name}.torque" for name in plant.joint_names]
+    size = shown.std(axis=0)
+    off = np.sqrt(np.mean((found - shown) ** 2, axis=0)) / size
+    return Driven(
+        scores,
+        truth,
+        dict(zip(names, off, strict=True)),
+        dict(zip(names, NOISE / size, strict=True)),
+    )
+
+
+def test_torques_are_predicted(driven):
+    """No worse than by the true robot, whose error is noise of sensors alone."""
+    assert driven.scores.verdict == "explained"
+    assert driven.scores.torques.keys() == driven.noise.keys()
+    by_truth = driven.truth.torques_by_nominal
+    for name, error in driven.scores.torques.items():
+        # The parameters' own deviations are a small part of the noise.
+        assert error == pytest.approx(by_truth[name], rel=0.05)
+        assert driven.noise[name] < by_truth[name] < driven.by_cad[name] / 4
+
+
+def test_torques_by_cad(driven):
+    """The robot file errs as its own inverse dynamics does, sample by sample."""
+    for name, error in driven.scores.torques_by_nominal.items():
+        # Noise of sensors is in it as well: some 1 %, of 8 % and more.
+        assert error == pytest.approx(driven.by_cad[name], rel=0.05)
+
+
+def test_torques_are_shown(driven):
+    scores = driven.scores
+    assert any("joint.joint1.torque error" in line for line in scores.summary())
+    assert scores.to_json()["torques"] == scores.torques
+    section = validation({"file": "second.csv", **scores.to_json()})
+    assert section.tables[-1].title == "Errors of torques at joints"
+
+
+def test_without_torques_there_are_none(result):
+    scores = oi.validate(result, clean_space(seed=11).recording)
+    assert not scores.torques

@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.model.equations_of_motion import Wrench
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
-from orbident.robot.description import Robot
+from orbident.robot.description import Friction, Robot
 from orbident.robot.robot_file import load_robot
 
 Q = np.array([0.4, -0.7, 1.1])
@@ -121,6 +121,36 @@ def test_many_states_at_once(model):
     np.testing.assert_array_equal(found, expected)
 
 
+def test_torques_with_friction(robot, beta, C, model):
+    """Those of declared friction are added; what nobody knows is NaN."""
+    qd, qdd = V[6:9], np.array([0.3, 0.2, -0.1])
+    plain = model.torques(Q, qd, qdd, w=V[3:6], qd_rw=V[9:])
+    assert np.isnan(model.torques(Q, qd, qdd, friction=True)).all()
+    rubs = {"joint2": Friction(0.5, 0.25, 0.125)}
+    rubbed = reconstructed(replace(robot, friction=rubs), beta, C)
+    found = rubbed.torques(Q, qd, qdd, w=V[3:6], qd_rw=V[9:], friction=True)
+    assert found[1] == pytest.approx(plain[1] + 0.5 * qd[1] - 0.25 + 0.125, rel=1e-12)
+    assert np.isnan(found[[0, 2]]).all()
+
+
+def test_torques_of_many_states_of_a_planar_robot():
+    """They are those of the equations with the base's accelerations solved for."""
+    robot = load_robot("cepheus-like")
+    beta = minimal_sets(robot).beta(robot.theta)
+    model = reconstructed(robot, beta, np.diag((0.01 * beta) ** 2))
+    q, qd, qdd = np.random.default_rng(0).standard_normal((3, 4, 2))
+    found = model.torques(q, qd, qdd)
+    for k in range(4):
+        np.testing.assert_array_equal(model.torques(q[k], qd[k], qdd[k]), found[k])
+        H = model.H_plus(q[k])
+        v = np.concatenate([np.zeros(6), qd[k], [0.0]])
+        v[5] = -H[5, 6:8] @ qd[k] / H[5, 5]
+        c = model.c_plus(q[k], v)
+        turn = -(H[5, 6:8] @ qdd[k] + c[5]) / H[5, 5]
+        expected = H[6:8, 5] * turn + H[6:8, 6:8] @ qdd[k] + c[6:8]
+        np.testing.assert_allclose(found[k], expected, rtol=1e-9)
+
+
 def test_a_planar_robot_does_not_tilt():
     """What no planar motion shows is NaN, never a number."""
     robot = load_robot("cepheus-like")
@@ -147,6 +177,12 @@ def test_a_planar_robot_does_not_tilt():
     ("refused", "message"),
     [
         (lambda m: m.H_plus(Q[:2]), r"q: found shape \(2,\), expected \(3,\)"),
+        (lambda m: m.torques(Q, Q[:2], Q), r"qd: found shape \(2,\), expected \(3,\)"),
+        (
+            lambda m: m.torques([Q, Q], [Q], [Q]),
+            r"q has shape \(2, 3\) and qd \(1, 3\)",
+        ),
+        (lambda m: m.torques(Q, Q, Q, qd_rw=[9.0]), r"qd_rw: found shape \(1,\)"),
         (lambda m: m.c_plus(Q, V[:-1]), r"v: found shape \(11,\), expected \(12,\)"),
         (lambda m: m.c_plus(Q, np.tile(V, (2, 1))), "one row of each"),
         (lambda m: m.jacobian(Q, "link4", np.zeros(3)), "did you mean 'link3'"),

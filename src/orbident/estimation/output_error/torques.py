@@ -24,9 +24,9 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.estimation.output_error.shooting import Intervals
 from orbident.estimation.unknowns import DRIVE, CalibrationFit, DriveFit
-from orbident.model.core_robot import rotors_of
+from orbident.model.core_robot import friction_of, rotors_of
 from orbident.preprocessing.samples import Samples
-from orbident.robot.description import NO_FRICTION, Robot
+from orbident.robot.description import Robot
 
 STANDING = 1e-2
 """Part of its root mean square rate below which a joint counts as standing: its brake
@@ -129,9 +129,7 @@ def joints_driven(
 
 def driven_by(robot: Robot) -> Float[np.ndarray, "joints 4"]:
     """What a robot file says of rotors and friction, as the core takes it; SI."""
-    friction = [robot.friction.get(name, NO_FRICTION) for name in robot.joint_names]
-    numbers = np.reshape([each[:3] for each in friction], (-1, 3)).astype(float)
-    return np.column_stack([rotors_of(robot).armature, numbers])
+    return np.column_stack([rotors_of(robot).armature, friction_of(robot)])
 
 
 def drives_of(
