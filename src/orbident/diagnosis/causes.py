@@ -34,7 +34,7 @@ from orbident.diagnosis.suspects import Scores
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
 from orbident.environment.agents import AGENTS
-from orbident.estimation.checks import Check
+from orbident.estimation.checks import Check, worst
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -101,7 +101,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         return
     wrong, *_ = conventions = tried_conventions(problem)
     # That parameters are of a likelier sign is not enough where it can be tried.
-    plain = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
+    robot = shown and shown.mass.value > 0 and _fits(problem, shown)
+    plain = wrong.residuals_alone > FALLS
+    plain |= not (robot or (shown and wrong.convention.columns))
     # Linear equations know nothing of thrust.
     plain &= not problem.samples.unknown_thrust
     if wrong.falls > FALLS and plain:
@@ -149,6 +151,11 @@ def _of_the_scale(solved: Solved) -> bool:
     )
 
 
+def _fits(problem: MomentumProblem, shown: Estimate) -> bool:
+    """Whether residuals leave nothing to explain."""
+    return worst(residual_checks(problem, shown)) != "do not trust"
+
+
 def _by_trials(
     solved: Solved,
     shown: Estimate,
@@ -172,8 +179,7 @@ def _by_trials(
             best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
         yield _explained(best, before)
         return
-    residuals = residual_checks(solved.problem, shown)
-    if all(check.level != "do not trust" for check in residuals):
+    if _fits(solved.problem, shown):
         # Nothing is left to explain: the numbers themselves say what is wrong.
         return
     falls = before - best.misfit if best else -np.inf

@@ -111,7 +111,8 @@ class Search:
                 here,
             )
             here = None
-            if solution.converged:
+            # Where little shows the scale, there is a least cost of no robot, too.
+            if solution.converged and solution.state.beta[0] > 0:
                 return solution
             solutions.append(solution)
         return min(solutions, key=lambda each: each.cost)
