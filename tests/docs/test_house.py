@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 298,
-    "lines": 61_853,
+    "lines": 61_859,
     "files of estimation": 48,
     "lines of estimation": 11_464,
     "files with one user": 66,

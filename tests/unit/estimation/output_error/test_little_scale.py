@@ -60,6 +60,7 @@ def motion(robot: oi.Robot, tmp_path_factory: pytest.TempPathFactory) -> oi.Traj
 def test_a_good_recording_says_too_little_and_nothing_false(robot, motion, seed: int):
     result = oi.identify(robot, oi.simulate(robot, motion, noise="sensors", seed=seed))
     if result.status == "rejected":
+        assert result.solved is not None
         assert result.solved.estimate.mass.value > 0
         checks = {each.name: str(each) for each in result.with_causes().checks}
         assert "cause" not in checks
