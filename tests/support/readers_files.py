@@ -222,6 +222,7 @@ BEFORE: dict[str, Callable[[], None]] = {
     "docs/how-to/several-recordings.md": three_flights,
     "docs/how-to/thrusters.md": valves,
     "docs/how-to/what-acts-from-outside.md": tilted_table,
+    "docs/how-to/which-sensors.md": flyer,
     "docs/open-benchmark.md": repository,
 }
 """What makes these files, by page."""
