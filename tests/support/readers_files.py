@@ -224,6 +224,7 @@ BEFORE: dict[str, Callable[[], None]] = {
     "docs/how-to/thrusters.md": valves,
     "docs/how-to/what-acts-from-outside.md": tilted_table,
     "docs/how-to/which-sensors.md": flyer,
+    "docs/json-files.md": flyer,
     "docs/open-benchmark.md": repository,
 }
 """What makes these files, by page."""
