@@ -211,6 +211,7 @@ def valves() -> None:
 
 
 BEFORE: dict[str, Callable[[], None]] = {
+    "docs/faq.md": flyer,
     "docs/first-result.md": first_result,
     "docs/how-to/after-a-capture.md": capture,
     "docs/how-to/designing-an-excitation.md": flyer,
