@@ -211,17 +211,21 @@ def valves() -> None:
 
 
 BEFORE: dict[str, Callable[[], None]] = {
+    "docs/faq.md": flyer,
     "docs/first-result.md": first_result,
     "docs/how-to/after-a-capture.md": capture,
     "docs/how-to/designing-an-excitation.md": flyer,
     "docs/how-to/files-of-other-tools.md": other_tools,
     "docs/how-to/flight-computer.md": flyer,
+    "docs/how-to/laboratory-checklist.md": first_result,
     "docs/how-to/noise-of-sensors.md": at_rest,
     "docs/how-to/ros-bag.md": table_bag,
     "docs/how-to/sample-by-sample.md": flyer,
     "docs/how-to/several-recordings.md": three_flights,
     "docs/how-to/thrusters.md": valves,
     "docs/how-to/what-acts-from-outside.md": tilted_table,
+    "docs/how-to/which-sensors.md": flyer,
+    "docs/json-files.md": flyer,
     "docs/open-benchmark.md": repository,
 }
 """What makes these files, by page."""
