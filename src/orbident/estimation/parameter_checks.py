@@ -198,16 +198,19 @@ def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
             yield from _links_alone(problem, base)
         return
     certain = least.moment < -CERTAIN * least.std
+    found = f"{least.moment:.2g} +- {least.std:.2g} kg m^2"
     yield Check(
         name,
         "do not trust" if certain else "with care",
         "the mass matrix is not positive definite (least moment of a motion of the "
-        f"joints: {least.moment:.2g} +- {least.std:.2g} kg m^2): no robot has such "
-        "parameters",
+        f"joints: {found}): no robot has such parameters"
+        if certain
+        else "the recording leaves open how hard some motion of the joints is (its "
+        f"moment: {found}), so there is no H+",
         "check the signs of wheels, joints and gyro, --initial-momentum, and motors "
         "behind gears (rotors)"
         if certain
-        else "record a longer or richer motion",
+        else "record a longer or richer motion, or export the nearest physical model",
         least.moment,
         -CERTAIN * least.std,
     )

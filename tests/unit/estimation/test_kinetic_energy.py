@@ -42,6 +42,7 @@ def test_a_robot_has_positive_energy(problem: MomentumProblem):
 def test_negative_inertia_is_refused(problem: MomentumProblem):
     found = check(problem, -10.0, 1e-3)
     assert found.level == "do not trust"
+    assert "no robot has such parameters" in found.reason
     assert found.statistic < found.limit < 0
 
 
@@ -57,7 +58,9 @@ def test_rotors_that_are_too_large(problem: MomentumProblem):
 
 
 def test_within_its_deviation_it_is_doubtful(problem: MomentumProblem):
-    assert check(problem, -10.0, 100.0).level == "with care"
+    found = check(problem, -10.0, 100.0)
+    assert found.level == "with care"
+    assert "no robot" not in found.reason
 
 
 def test_what_is_not_determined_is_not_judged(problem: MomentumProblem):
