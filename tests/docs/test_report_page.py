@@ -10,7 +10,7 @@ from orbident.report.page import HEADLINES
 PAGE = (ROOT / "docs/reading-the-report.md").read_text(encoding="utf-8")
 REPORT = ROOT / "src/orbident/report"
 OTHER_PAGES = {"allan.py", "campaign_page.py", "study_page.py"}
-"""Of a recording at rest, of a campaign and of a study."""
+"""Modules of reports about a recording at rest, a campaign and a study."""
 
 
 def titles(text: str) -> set[str]:

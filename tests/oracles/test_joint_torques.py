@@ -21,7 +21,8 @@ from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot
 
 RTOL = 1e-9
-"""Of the largest torque: bodies from base parameters lose digits beside given ones."""
+"""A part of the largest torque: bodies from base parameters have fewer right digits
+than bodies that are given."""
 
 SHAPES = [(0, 1, 2, 3), (0, 1, 0, 3), None]
 """Parents of a serial arm and of two arms; any tree."""

@@ -100,10 +100,11 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         yield _explained(min(jumped, key=_rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
-    # That parameters are of a likelier sign is not enough where it can be tried.
+    # That parameters are of a likelier sign is not enough where it can be tried, nor
+    # where all sensors show a robot.
     robot = shown and shown.mass.value > 0 and _fits(problem, shown)
-    plain = wrong.residuals_alone > FALLS
-    plain |= not (robot or (shown and wrong.convention.columns))
+    known_better = robot or (shown and wrong.convention.columns)
+    plain = wrong.residuals_alone > FALLS or not known_better
     # Linear equations know nothing of thrust.
     plain &= not problem.samples.unknown_thrust
     if wrong.falls > FALLS and plain:

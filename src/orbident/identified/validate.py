@@ -8,6 +8,7 @@ the noise of every sensor, filtered or raw, are accounted for in both.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
@@ -93,12 +94,12 @@ class Validation(JsonPart):
     """Where thrust acts: RMS of the errors of attitude and position, predicted over
     windows of five seconds, over their RMS about their means there."""
     pose_by_nominal: dict[str, NullableNumber] = field(default_factory=dict)
-    """The same by the robot file's bodies and thrust as recorded."""
+    """Such errors of a prediction by the robot file's bodies, thrust as recorded."""
     torques: dict[str, NullableNumber] = field(default_factory=dict)
-    """Where torques of joints were recorded, by column: RMS of the error, sensor noise
-    included, over the RMS of the measured torque about its mean."""
+    """Where torques of joints were recorded and the result has an `H+`, by column: RMS
+    of the error, sensor noise included, over that of the torque about its mean."""
     torques_by_nominal: dict[str, NullableNumber] = field(default_factory=dict)
-    """The same by the robot file's bodies, rotors and friction."""
+    """Such errors of torques by the robot file's bodies, rotors and friction."""
 
     def summary(self) -> list[str]:
         """The errors of every signal and what explains them, as lines of text."""
@@ -262,8 +263,10 @@ def scored(result: Result, recording: Recording) -> Validation:
     if joints_with_torques(result.robot, recording):
         nominal = Dynamics(result.robot, np.zeros((0, 0)))
         scale = {name: each.value for name, each in result.calibration.items()}
-        own = _of_torques(result.dynamics(), scale, prediction, recording)
         by_nominal = _of_torques(nominal, {}, prediction, recording)
+        # A result may be accepted though H+ is not definite, within its deviations.
+        with suppress(InputError):
+            own = _of_torques(result.dynamics(), scale, prediction, recording)
     return Validation(
         nrmse={name: rms[name] / size[name] if size[name] else np.nan for name in rms},
         rms=rms,

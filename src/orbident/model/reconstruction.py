@@ -15,11 +15,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
-from orbident.model.core_robot import (
-    friction_torques,
-    lacking_rotors,
-    rotors_of,
-)
+from orbident.model.core_robot import friction_torques, lacking_rotors, rotors_of
 from orbident.model.equations_of_motion import (
     Wrench,
     deviations,

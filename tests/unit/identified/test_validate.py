@@ -7,8 +7,9 @@ from clean_recordings import RATE, SENSORS, clean_space
 from random_motions import random_motion
 
 import orbident as oi
+from orbident.estimation.result import Result
 from orbident.identified.validate import Validation
-from orbident.model.reconstruction import reconstructed
+from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.report.write import validation
 from orbident.robot.description import Friction
 from orbident.robot.sensor_schema import declared_sensors
@@ -74,11 +75,13 @@ class Driven(NamedTuple):
 
     scores: Validation
     truth: Validation
-    """By the true robot, in place of CAD."""
+    """The prediction with the true robot in place of CAD's."""
     by_cad: dict[str, float]
     """Errors by CAD's dynamics at each true sample, as parts of the signals."""
+    without_H: Validation
+    """The prediction where the result has no definite `H+`."""
     noise: dict[str, float]
-    """Of one sample, as a part of the signals."""
+    """The noise of one sample of a torque sensor, as a part of the signal."""
 
 
 @pytest.fixture(scope="module")
@@ -110,10 +113,15 @@ def driven() -> Driven:
         flown, own = float_along(plant, motion, RATE), motion.for_robot(plant)
         true = truth_of(plant, flown, own)
         recordings.append(measure_truth(plant, flown.t, true, seed))
-    scores, truth = (
-        oi.validate(oi.identify(robot, recordings[0]), recordings[1])
-        for robot in (cad, plant)
-    )
+    results = [oi.identify(robot, recordings[0]) for robot in (cad, plant)]
+    scores, truth = (oi.validate(each, recordings[1]) for each in results)
+
+    def refused(_: Result) -> Dynamics:
+        raise oi.InputError("H+ is indefinite")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Result, "dynamics", refused)
+        without_H = oi.validate(results[0], recordings[1])
     beta = oi.minimal_sets(cad).beta(cad.theta)
     model = reconstructed(cad, beta, np.zeros((beta.size, beta.size)))
     q, qd, qdd = own.at(flown.t)
@@ -127,6 +135,7 @@ def driven() -> Driven:
         scores,
         truth,
         dict(zip(names, off, strict=True)),
+        without_H,
         dict(zip(names, NOISE / size, strict=True)),
     )
 
@@ -155,6 +164,11 @@ def test_torques_are_shown(driven):
     assert scores.to_json()["torques"] == scores.torques
     section = validation({"file": "second.csv", **scores.to_json()})
     assert section.tables[-1].title == "Errors of torques at joints"
+
+
+def test_without_a_definite_inertia_the_base_is_predicted(driven):
+    assert not driven.without_H.torques
+    assert driven.without_H.nrmse == driven.scores.nrmse
 
 
 def test_without_torques_there_are_none(result):
