@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from disturbed import Now, Push, Wrench
 from recordings import Clean
+from scipy.spatial.transform import Rotation
 
 from orbident.campaigns.case import with_instrument_errors
 from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
@@ -81,8 +82,10 @@ def with_errors(clean: Clean, true: Truth, seed: int) -> tuple[Robot, Truth]:
         each = dict.fromkeys(joints, kind.usual)
         found[tolerance] = each if "joint." in kind.name else kind.usual
     shown = with_instrument_errors(robot, clean.t, true, errors)
-    wheels = tuple(
-        replace(x, inertia=x.inertia / (1 + errors[f"wheel.{x.name}.inertia"]))
-        for x in robot.wheels
-    )
-    return replace(robot, wheels=wheels, tolerances=Tolerances(**found)), shown
+    wheels = []
+    for x in robot.wheels:
+        turn = [errors[f"wheel.{x.name}.axis.{axis}"] for axis in "xyz"]
+        inertia = x.inertia / (1 + errors[f"wheel.{x.name}.inertia"])
+        axis = Rotation.from_rotvec(turn).inv().apply(x.axis)
+        wheels.append(replace(x, inertia=inertia, axis=axis))
+    return replace(robot, wheels=tuple(wheels), tolerances=Tolerances(**found)), shown

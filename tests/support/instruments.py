@@ -19,6 +19,8 @@ class Errors:
     zero: np.ndarray
     scale: np.ndarray
     wheel: np.ndarray
+    axis: np.ndarray
+    """Turns of the axes of wheels about the base's, three numbers each."""
     feature_point: np.ndarray
     attitude: np.ndarray
     gyro: np.ndarray
@@ -35,7 +37,7 @@ class Errors:
         return np.concatenate([getattr(self, each.name) for each in fields(self)])
 
     def robot(self, robot: Robot) -> Robot:
-        """The true one, whose joints are elsewhere."""
+        """The true one, whose joints are elsewhere and whose wheels are tilted."""
         moved = zip(
             robot.joints,
             self.place.reshape(-1, 3),
@@ -46,7 +48,12 @@ class Errors:
             replace(joint, p_PJ=joint.p_PJ + place, R_PJ=R @ joint.R_PJ)
             for joint, place, R in moved
         )
-        return replace(robot, joints=tuple(joints))
+        turns = rotation(self.axis.reshape(-1, 3)).as_matrix()
+        wheels = tuple(
+            replace(wheel, axis=R @ wheel.axis)
+            for wheel, R in zip(robot.wheels, turns, strict=True)
+        )
+        return replace(robot, joints=tuple(joints), wheels=wheels)
 
     def joints(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> JointState:
         """The true ones, but for what the third derivative adds to accelerations."""
@@ -98,9 +105,10 @@ def random_errors(robot: Robot, seed: int, size: float) -> Errors:
     """All of them; a planar robot stays planar."""
     random = np.random.default_rng(seed)
     joints, wheels = len(robot.joints), len(robot.wheels)
-    sizes = (joints, joints, wheels, 3, 3, 3, 3, 1, 3, 3 * joints, 3 * joints)
+    sizes = joints, joints, wheels, 3 * wheels, 3, 3, 3, 3, 1, 3, 3 * joints, 3 * joints
     errors = Errors(*(size * random.standard_normal(n) for n in sizes))
     if robot.motion == "planar":
+        errors.axis[:] = 0.0
         errors.place[2::3] = 0.0
         errors.direction[np.arange(3 * joints) % 3 < 2] = 0.0
     return errors

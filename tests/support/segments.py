@@ -166,7 +166,7 @@ def segment_of(
         q_slope=columns(qd),
         qd=columns(qd),
         qdd=columns(qdd),
-        A_rw=np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        A_rw=np.ascontiguousarray(wheels_of(believed).A_rw.T),
         qd_rw=columns(qd_rw),
         qdd_rw=columns(qdd_rw),
         samples=[np.ascontiguousarray(samples[name]) for name in SENSORS],

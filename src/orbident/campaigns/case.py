@@ -189,7 +189,7 @@ Errors = Mapping[str, float]
 
 
 def moved_joints(robot: Robot, errors: Errors) -> Robot:
-    """The robot whose joints are elsewhere and whose wheels are heavier."""
+    """The robot whose joints are elsewhere and whose wheels are heavier and tilted."""
     joints = tuple(
         replace(
             joint,
@@ -199,7 +199,11 @@ def moved_joints(robot: Robot, errors: Errors) -> Robot:
         for joint in robot.joints
     )
     wheels = tuple(
-        replace(wheel, inertia=wheel.inertia * (1 + float(share)))
+        replace(
+            wheel,
+            inertia=wheel.inertia * (1 + float(share)),
+            axis=_rotation(errors, "wheel_axis", wheel.name) @ wheel.axis,
+        )
         for wheel in robot.wheels
         for share in _drawn(errors, "wheel_inertia", wheel.name)
     )

@@ -35,6 +35,7 @@ WORDS = {
     "joint zeros": ("the zero of joint {}", ANGLE),
     "joint scales": ("the scale of joint {}", PART),
     "wheel inertias": ("the inertia of wheel {}", PART),
+    "wheel axes": ("the tilt of the axis of wheel {}", ANGLE),
     "feature_point": ("the offset of the tracked marker from S", LENGTH),
     "attitude.misalignment": ("the misalignment of the attitude sensor", ANGLE),
     "gyro.misalignment": ("the misalignment of the gyro", ANGLE),

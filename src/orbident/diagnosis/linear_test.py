@@ -10,6 +10,7 @@ from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.linear_fits import LinearFit, fit
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.signals import equation_signals
 from orbident.preprocessing.samples import Samples
 
 ROWS = 1000
@@ -93,8 +94,10 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
 def plain_mistake(problem: MomentumProblem) -> list[Check]:
     """A convention that is plainly another one, which no fit is needed to see."""
     fits = problem.fits
-    left = [_part_left(fits.pi), _part_left(fits.phi)]
-    if problem.samples.unknown_thrust or not max(left) > ABSURD:
+    left = np.array([_part_left(fits.pi), _part_left(fits.phi)])
+    if problem.samples.unknown_thrust or not (left > ABSURD).any():
+        return []
+    if not np.any((left > ABSURD) & (_white_parts(problem) < 1 / FALLS)):
         return []
     best, *_ = tried_conventions(problem)
     return [best.check()] if best.residuals_alone > PLAIN else []
@@ -104,6 +107,23 @@ def _part_left(fit: LinearFit) -> float:
     """The part of what a linear equation should explain that it leaves."""
     whole = float(np.hypot(fit.explained, fit.unexplained))
     return fit.unexplained / whole if whole > 0 else 0.0
+
+
+def _white_parts(problem: MomentumProblem) -> Float[np.ndarray, "2"]:
+    """The part of the residuals of Eqs. 24 and 31 that is noise of single samples.
+
+    No convention lowers it. White noise differs from sample to sample by the root of
+    two times its own size (von Neumann 1941).
+    """
+    fits, parts = problem.fits, {"momentum": 0.0, "velocity": 0.0}
+    for signal in equation_signals(
+        *(problem.robot, problem.sets, problem.samples, problem.initial_momentum),
+        *(fits.pi.values, fits.phi.values),
+    ):
+        e = signal.measured - signal.predicted
+        changes = np.linalg.norm(np.diff(e, axis=0)) / np.sqrt(2)
+        parts[signal.name] = float(changes / max(np.linalg.norm(e), TINY))
+    return np.array([*parts.values()])
 
 
 class _Left(NamedTuple):

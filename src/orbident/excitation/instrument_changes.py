@@ -50,6 +50,9 @@ STEP = 1e-5
 OF_THE_JOINTS = ("joint_zero", "joint_scale", "joint_place", "joint_direction")
 """Errors of where the joints are."""
 
+OF_THE_WHEELS = ("wheel_inertia", "wheel_axis")
+"""Errors of the momentum of wheels."""
+
 TURNED = ("attitude_misalignment", "attitude_clock", "joint_clock")
 """Errors by which the base is elsewhere than the attitude shows, when joints move."""
 
@@ -108,7 +111,7 @@ class InstrumentChanges:
                 self.dh[:, :, of.column] += part * h
                 self.dv_B[:, :, of.column] += part * v
         for of in self._places:
-            if of.tolerance == "wheel_inertia":
+            if of.tolerance in OF_THE_WHEELS:
                 h_rw = np.outer(motion.qd_rw[:, of.owner], self._wheel(of))
                 self.dh[:, :, of.column] = -h_rw
             elif of.tolerance in TURNED:
@@ -196,7 +199,7 @@ class InstrumentChanges:
             f.w += np.sum(by_w, axis=0)
         for of in self._places:
             by_h, by_v = (by[:, :, of.column] for by in (by_dh, by_dv_B))
-            if of.tolerance == "wheel_inertia":
+            if of.tolerance in OF_THE_WHEELS:
                 by_speed = wheels.free[of.owner] * (by_h @ self._wheel(of))
                 f.w += np.outer(by_speed, wheels.axes[:, of.owner])
             elif of.tolerance in TURNED:
@@ -224,7 +227,10 @@ class InstrumentChanges:
             f.w += by
 
     def _wheel(self, of: ErrorPlace) -> Float[np.ndarray, "3"]:
-        return of.std * self._motion.craft.wheels.A_rw[:, of.owner]
+        """The change of the momentum of a wheel for each of its rates."""
+        A_rw = self._motion.craft.wheels.A_rw[:, of.owner]
+        tilted = np.cross(np.eye(3)[of.axis], A_rw)
+        return of.std * (tilted if of.tolerance == "wheel_axis" else A_rw)
 
     def _joints_elsewhere(self) -> Iterator[JointsElsewhere]:
         motion, robot = self._motion, self._motion.craft.robot

@@ -4,6 +4,7 @@ Their equations stand in `calibration.hpp`. An error is named after what it is o
 `joint.elbow.zero`, `wheel.rw1.inertia`, `gyro.scale.x`, `joints.clock`.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
@@ -85,6 +86,12 @@ class Tolerances:
         of_all="wheel inertias",
     )
     """Polar moment of inertia of each wheel, relative."""
+    wheel_axis: float = _of_all(
+        *("wheel.{}.axis", "wheels.axis", "angle", True),
+        usual=math.radians(0.1),
+        of_all="wheel axes",
+    )
+    """Direction of each wheel's axis about each base axis, rad."""
     feature_point: float = _of_all("feature_point", "feature_point", "length", True)
     """Distance of the tracked point from `S`, along each base axis, m."""
     attitude_misalignment: float = _of_all(

@@ -91,6 +91,7 @@ def errors_of(robot: Robot, draws: Draws) -> Errors:
         zero=some(*(f"joint.{name}.zero" for name in joints)),
         scale=some(*(f"joint.{name}.scale" for name in joints)),
         wheel=some(*(f"wheel.{name}.inertia" for name in wheels)),
+        axis=some(*(a for n in wheels for a in axes(f"wheel.{n}.axis"))),
         feature_point=some(*axes("feature_point")),
         attitude=some(*axes("attitude.misalignment")),
         gyro=some(*axes("gyro.misalignment")),
@@ -117,6 +118,8 @@ def test_instruments_err_as_the_reference_has_it(tmp_path: Path):
         # A rotation by 2 sin(angle / 2) or by the angle: 1e-9 of a milliradian cubed.
         np.testing.assert_allclose(joint.R_PJ, reference.R_PJ, atol=1e-9)
         np.testing.assert_allclose(joint.p_PJ, reference.p_PJ, atol=1e-15)
+    for wheel, reference in zip(moved.wheels, errors.robot(robot).wheels, strict=True):
+        np.testing.assert_allclose(wheel.axis, reference.axis, atol=1e-9)
 
     t = np.arange(0.0, 10.0, 0.05)
     w, ahead = np.array([0.01, 0.02, 0.03]), np.array([0.0, 0.0, 0.0, 1.0])

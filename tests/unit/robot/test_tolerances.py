@@ -1,4 +1,5 @@
 import math
+import math
 from dataclasses import make_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -85,6 +86,7 @@ def test_without_tolerances_instruments_are_as_usual(load_yaml):
         joint_zero=dict.fromkeys(joints, 1e-3),
         joint_scale=dict.fromkeys(joints, 1e-4),
         wheel_inertia=2e-3,
+        wheel_axis=math.radians(0.1),
         gyro_misalignment=1e-3,
         gyro_scale=5e-4,
         joint_clock=1e-3,
@@ -195,18 +197,18 @@ def test_the_kinds_are_those_of_the_unknowns_in_their_order():
 def test_a_new_kind_of_error_is_one_row(monkeypatch):
     """Its equations are the core's; its unknowns follow from the row."""
     robot = load_robot("paper-spatial")
-    kind = CalibrationKind("wheel.{}.axis", "wheels.axis", "angle", by_axis=True)
-    monkeypatch.setitem(CALIBRATION_KINDS, "wheel_axis", kind)
+    kind = CalibrationKind("wheel.{}.place", "wheels.place", "angle", by_axis=True)
+    monkeypatch.setitem(CALIBRATION_KINDS, "wheel_place", kind)
     more = make_dataclass(
-        "More", [("wheel_axis", float, 2e-3)], bases=(Tolerances,), frozen=True
+        "More", [("wheel_place", float, 2e-3)], bases=(Tolerances,), frozen=True
     )
     robot = replace(robot, tolerances=more(**vars(robot.tolerances)))
-    every = calibrations_of(robot, {"gyro"}, {"wheel.rw_x.axis": 1e-2})
-    new = {each.name: each for each in every if ".axis." in each.name}
-    assert list(new)[:3] == [f"wheel.rw_x.axis.{axis}" for axis in "xyz"]
+    every = calibrations_of(robot, {"gyro"}, {"wheel.rw_x.place": 1e-2})
+    new = {each.name: each for each in every if each.name.startswith("wheel.") and ".place." in each.name}
+    assert list(new)[:3] == [f"wheel.rw_x.place.{axis}" for axis in "xyz"]
     assert {each.unit for each in new.values()} == {"rad"}
-    assert new["wheel.rw_x.axis.y"].std == 1e-2
-    assert new["wheel.rw_z.axis.y"].std == 2e-3
+    assert new["wheel.rw_x.place.y"].std == 1e-2
+    assert new["wheel.rw_z.place.y"].std == 2e-3
 
 
 def test_every_kind_has_a_row_in_the_documentation():

@@ -2,7 +2,7 @@
 //
 //   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times theirs
 //   geometry        joint k is at p_PJ + d_k, parent's axes, its axes turned there by R(r_k)
-//   wheels          h_rw = sum_i (1 + g_i) a_i I_i qd_i
+//   wheels          h_rw = sum_i (1 + g_i) R(r_i) a_i I_i qd_i
 //   feature point   the tracked point is S + d, base axes
 //   attitude        shown R_WB R(m)
 //   gyro            shown (1 + diag(s)) R(m)^T w + bias
@@ -17,9 +17,9 @@
 //
 // A motion has columns of the calibrations that are selected, by their places among all:
 //
-//   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
-//    l of joints, of attitude, of position | d 3, each joint | r 3, each joint |
-//    x, each joint | y, each joint | g | A | d | c | o, each joint]
+//   [z, each joint | s, each joint | g, each wheel | r 3, each wheel | d 3 | attitude m 3 |
+//    gyro m 3 | gyro s 3 | p | l of joints, of attitude, of position | d 3, each joint |
+//    r 3, each joint | x, each joint | y, each joint | g | A | d | c | o, each joint]
 //
 // Places beyond these are gains of what acts from outside (acting.hpp).
 #pragma once
@@ -33,7 +33,8 @@ struct CalibrationPlaces {
   int zero() const { return 0; }
   int scale() const { return joints; }
   int wheel() const { return 2 * joints; }
-  int feature_point() const { return wheel() + wheels; }
+  int wheel_axis() const { return wheel() + wheels; }
+  int feature_point() const { return wheel_axis() + 3 * wheels; }
   int attitude() const { return feature_point() + 3; }
   int gyro() const { return attitude() + 3; }
   int gyro_scale() const { return gyro() + 3; }
@@ -134,16 +135,43 @@ inline void add_joint(const TermsMemory& memory, int k, double x, double v, doub
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] += change[r];
 }
 
+// The momentum of wheel i for each of its rates, R(r_i) a_i I_i, of a_i I_i in A_rw.
+inline Vector3<double> momentum_of_wheel(const Calibration& calibration, const double* A_rw,
+                                         int i) {
+  const Misalignment r(calibration.vector(calibration.places.wheel_axis() + 3 * i));
+  return r.R * Eigen::Map<const Vector3<double>>(A_rw + 3 * i);
+}
+
+// The change of the wheels' momentum with one calibration: their inertia, axes and clock.
+inline Vector3<double> by_wheels(const Calibration& calibration, const JointState& shown,
+                                 const double* A_rw, int place) {
+  const CalibrationPlaces& places = calibration.places;
+  Vector3<double> change = Vector3<double>::Zero();
+  if (place == places.joint_clock()) {
+    for (int i = 0; i < places.wheels; ++i)
+      change += shown.qdd_rw[i] * momentum_of_wheel(calibration, A_rw, i);
+  } else if (places.wheel() <= place && place < places.wheel_axis()) {
+    const int i = place - places.wheel();
+    change = shown.qd_rw[i] * momentum_of_wheel(calibration, A_rw, i);
+  } else if (places.wheel_axis() <= place && place < places.feature_point()) {
+    const int i = (place - places.wheel_axis()) / 3, axis = (place - places.wheel_axis()) % 3;
+    const double gain = 1 + calibration.values[places.wheel() + i];
+    const double late = calibration.values[places.joint_clock()];
+    const Misalignment r(calibration.vector(places.wheel_axis() + 3 * i));
+    const Vector3<double> w = r.R * r.by_m.col(axis);
+    change = (gain * shown.qd_rw[i] + late * shown.qdd_rw[i]) *
+             w.cross(momentum_of_wheel(calibration, A_rw, i));
+  }
+  return change;
+}
+
 // Changes of the terms at a node with zeros, scales, clock and geometry of joints, and with the
-// wheels' inertia; A_rw: a_i I_i, three numbers each.
+// wheels' momentum.
 inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
                                const Calibration& calibration, const JointState& shown,
                                const double* A_rw, const TermsMemory& memory, double* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();
-  const auto add_wheel = [&](int i, double rate, double* column) {
-    for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] += A_rw[3 * i + axis] * rate;
-  };
   for (int c = 0; c < columns.calibrations; ++c) {
     double* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
@@ -157,15 +185,13 @@ inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
     } else if (place == places.joint_clock()) {
       for (int k = 0; k < places.joints; ++k)
         add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
-      for (int i = 0; i < places.wheels; ++i) add_wheel(i, shown.qdd_rw[i], column);
     } else if (place < places.wheel()) {
       const bool zero = place < places.scale();
       const int k = place - (zero ? places.zero() : places.scale());
       add_joint(memory, k, zero ? 1.0 : shown.q[k], zero ? 0.0 : shown.qd[k], column, n);
-    } else if (place < places.feature_point()) {
-      const int i = place - places.wheel();
-      add_wheel(i, shown.qd_rw[i], column);
     }
+    const Vector3<double> dh_rw = by_wheels(calibration, shown, A_rw, place);
+    for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] += dh_rw[axis];
   }
 }
 

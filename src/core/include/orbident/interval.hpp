@@ -105,7 +105,7 @@ inline void read_joints(const Recorded& recorded, const LinearisedAt& at, int in
   joints.h_rw.setZero();
   joints.h_rw_rate.setZero();
   for (int i = 0; i < W; ++i) {
-    const Eigen::Map<const Vector3<double>> a_I(recorded.A_rw + 3 * i);
+    const Vector3<double> a_I = momentum_of_wheel(at.calibration, recorded.A_rw, i);
     joints.h_rw += ((1 + gain[i]) * qd_rw[i] + late * qdd_rw[i]) * a_I;
     joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_of(&JointState::qdd_rw, i)) * a_I;
   }

@@ -64,21 +64,12 @@ inline void write_known(const Recorded& recorded, const LinearisedAt& at,
   }
 }
 
-// Subtracts what wheels' inertias and the clock do to their momentum.
+// Subtracts what the wheels' calibrations do to their momentum.
 inline void subtract_wheels(const Recorded& recorded, const LinearisedAt& at,
                             const JointState& shown, TableRows& rows) {
-  const CalibrationPlaces& places = at.calibration.places;
-  for (int c = 0; c < recorded.columns.calibrations; ++c) {
-    const int place = at.calibration.selected[c], i = place - places.wheel();
-    auto column = rows.col(recorded.columns.calibration() + c);
-    const auto a_I = [&](int wheel) {
-      return Eigen::Map<const Vector3<double>>(recorded.A_rw + 3 * wheel);
-    };
-    if (place == places.joint_clock())
-      for (int k = 0; k < recorded.wheels; ++k) column -= shown.qdd_rw[k] * a_I(k);
-    else if (i >= 0 && i < recorded.wheels)
-      column -= shown.qd_rw[i] * a_I(i);
-  }
+  for (int c = 0; c < recorded.columns.calibrations; ++c)
+    rows.col(recorded.columns.calibration() + c) -=
+        by_wheels(at.calibration, shown, recorded.A_rw, at.calibration.selected[c]);
 }
 
 inline double inertia_on(const Spring& spring, const Recorded& recorded, const double* theta) {

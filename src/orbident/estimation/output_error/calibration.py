@@ -14,7 +14,7 @@ from orbident.environment.agents import FREE
 from orbident.estimation.output_error.sensors import torque_column
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
-from orbident.robot.description import Joint, Robot
+from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.tolerances import CALIBRATION_KINDS
 from orbident.robot.units import BY_KIND, si_unit
 
@@ -30,7 +30,8 @@ NEITHER_OF = {"joint_zero": True, "joint_scale": True} | {
     "joint_frequency": False,
     "joint_damping": False,
 }
-"""Errors that joints do not have which are passive, or which are not."""
+"""Errors that joints do not have which are passive, or which are not: a passive joint
+has a spring and no encoder."""
 
 OF_TORQUES = (
     *("joint_torque_scale", "joint_armature"),
@@ -67,26 +68,19 @@ def calibrations_of(
 def _errors(
     robot: Robot, tolerance: str, recorded: Collection[str]
 ) -> Iterator[tuple[Sequence[Unknown], Collection[int]]]:
-    """Those of each joint or wheel, or the only ones; and the axes that show nothing.
-
-    A sliding joint displaced along its axis, and a turning one turned about its axis,
-    have another zero and nothing else: the axis nearest to it is left out. A passive
-    joint has a spring and no encoder, and any other joint an encoder and no spring.
-    """
+    """Those of each joint or wheel, or the only ones, and axes that show nothing."""
     kind, std = CALIBRATION_KINDS[tolerance], getattr(robot.tolerances, tolerance)
-    owners: Mapping[str, Joint | None] = {"": None}
+    owners: Mapping[str, Joint | Wheel | None] = {"": None}
     if kind.name.startswith("joint."):
         owners = {joint.name: joint for joint in robot.joints}
     elif kind.name.startswith("wheel."):
-        owners = dict.fromkeys(robot.wheel_names)
-    for name, joint in owners.items():
+        owners = {wheel.name: wheel for wheel in robot.wheels}
+    for name, owner in owners.items():
         own = min(std.get(name, 0.0) if isinstance(std, Mapping) else std, FREE)
-        dimension, hidden = kind.dimension, set[int]()
-        family = kind.family.format(name)
-        if joint is not None:
-            dimension = BY_KIND.get(dimension, {}).get(joint.kind, dimension)
-        if joint is not None and tolerance == DOUBLES_ZERO[joint.kind]:
-            hidden = {int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))}
+        dimension, family = kind.dimension, kind.family.format(name)
+        if isinstance(owner, Joint):
+            dimension = BY_KIND.get(dimension, {}).get(owner.kind, dimension)
+        hidden = _along_itself(tolerance, owner)
         if NEITHER_OF.get(tolerance) is (name in robot.passive):
             hidden = {*ALL}
         if tolerance in OF_TORQUES and torque_column(name) not in recorded:
@@ -96,6 +90,22 @@ def _errors(
             [Unknown(each, family, unit, own, 0.0) for each in kind.names(name)],
             hidden,
         )
+
+
+def _along_itself(tolerance: str, owner: Joint | Wheel | None) -> Collection[int]:
+    """The axis nearest to that of a joint or wheel, where an error along it is another.
+
+    A sliding joint displaced along its axis, and a turning one turned about its axis,
+    have another zero and nothing else; a wheel turned about its axis has nothing.
+    """
+    match owner:
+        case Joint() if tolerance == DOUBLES_ZERO[owner.kind]:
+            axis = owner.R_PJ @ owner.axis
+        case Wheel() if tolerance == "wheel_axis":
+            axis = owner.axis
+        case _:
+            return ()
+    return {int(np.argmax(np.abs(axis)))}
 
 
 def _axes_that_show(
@@ -115,6 +125,7 @@ def _axes_that_show(
         return axes if seen else ()
 
     return {
+        "wheel_axis": where(robot.motion == "spatial"),
         "feature_point": where(position or velocity, moving),
         "attitude_misalignment": where(attitude, turning),
         "gyro_misalignment": where(gyro and robot.motion == "spatial", turning),

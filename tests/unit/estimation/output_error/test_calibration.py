@@ -90,6 +90,10 @@ SPATIAL: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
         Tolerances(gyro_misalignment=HALF_A_DEGREE),
         {"gyro": HALF_A_DEGREE * np.ones(3)},
     ),
+    "wheels' axes": (
+        Tolerances(wheel_axis=HALF_A_DEGREE),
+        {"axis": HALF_A_DEGREE * np.ones(9)},
+    ),
     "direction of a joint's axis": (
         Tolerances(joint_direction={JOINT: 5e-3}),
         {"direction": 5e-3 * XY},
@@ -99,6 +103,7 @@ SPATIAL: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
             joint_zero={JOINT: 5e-3},
             joint_place={JOINT: 2e-3},
             wheel_inertia=1e-2,
+            wheel_axis=HALF_A_DEGREE,
             feature_point=2e-3,
             attitude_misalignment=HALF_A_DEGREE,
             gyro_misalignment=HALF_A_DEGREE,
@@ -111,6 +116,7 @@ SPATIAL: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
             "zero": np.array([5e-3]),
             "place": 2e-3 * np.ones(3),
             "wheel": 1e-2 * np.ones(3),
+            "axis": HALF_A_DEGREE * np.ones(9),
             "feature_point": 2e-3 * np.ones(3),
             "attitude": HALF_A_DEGREE * np.ones(3),
             "gyro": HALF_A_DEGREE * np.ones(3),
@@ -275,7 +281,7 @@ def test_which_errors_act():
         "joint.joint2.place.y",
     ]
     places = [each.place for each in found.values()]
-    assert places == [0, 1, 2, 3, 4, 5, 6, 10, 17, 18, 20, 21, 22, 24, 25]
+    assert places == [0, 1, 2, 3, 4, 8, 9, 13, 20, 21, 23, 24, 25, 27, 28]
     assert found["joint.joint1.zero"].unit == "rad"
     assert found["feature_point.x"].unit == "m"
     gyro = {c.name for c in calibrations_of(robot, {"gyro"})} - set(found)
@@ -287,6 +293,9 @@ def test_which_errors_act():
     spatial = calibrations_of(load_robot("paper-spatial"), {"gyro", "velocity"})
     assert sum(c.name.startswith("gyro.misalignment") for c in spatial) == 3
     assert sum(c.name.startswith("feature_point") for c in spatial) == 3
+    # About its own axis, a wheel that is turned is as it was.
+    of_wheel = {c.name for c in spatial if c.name.startswith("wheel.rw_x.axis")}
+    assert of_wheel == {"wheel.rw_x.axis.y", "wheel.rw_x.axis.z"}
     # About its own axis, a joint that is turned has another zero.
     of_axis = {c.name for c in spatial if c.name.startswith("joint.joint1.direction")}
     assert of_axis == {"joint.joint1.direction.x", "joint.joint1.direction.y"}
