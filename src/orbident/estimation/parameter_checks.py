@@ -206,11 +206,11 @@ def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
         f"joints: {found}): no robot has such parameters"
         if certain
         else "the recording leaves open how hard some motion of the joints is (its "
-        f"moment: {found}), so there is no H+",
+        f"moment: {found}), so H+ is of the nearest bodies that can exist",
         "check the signs of wheels, joints and gyro, --initial-momentum, and motors "
         "behind gears (rotors)"
         if certain
-        else "record a longer or richer motion, or export the nearest physical model",
+        else "record a longer or richer motion",
         least.moment,
         -CERTAIN * least.std,
     )

@@ -51,6 +51,7 @@ from orbident.model.core_robot import (
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
+from orbident.model.regularity import IndefiniteError
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.extent import RecordedMotion
 from orbident.robot.description import NO_ROTOR, Friction, Robot
@@ -327,11 +328,13 @@ class Result(BesideParameters, Identified):
     def dynamics(self) -> Dynamics:
         """`H+`, `c+` and Jacobians from `(pi, phi, M)` (Eq. 16); no CAD inertia used.
 
-        Rotors and friction are those that torques at joints showed, where they did.
+        Rotors and friction are those that torques at joints showed, where they did. If
+        no mechanism has these parameters, they are those of the nearest bodies that can
+        exist (`Dynamics.moved`), near to CAD where nothing else decides.
 
         Raises:
-            InputError: the result is rejected or not complete, or no mechanism has
-                such parameters.
+            InputError: the result is rejected or not complete, or no bodies that can
+                exist are near.
         """
         self.check_accepted()
         rubbed = {
@@ -340,7 +343,13 @@ class Result(BesideParameters, Identified):
         }
         robot = self._with_rotors(self.drives)
         robot = replace(robot, friction={**robot.friction, **rubbed})
-        return reconstructed(robot, self.base.values, self.base_covariance)
+        try:
+            return reconstructed(robot, self.base.values, self.base_covariance)
+        except IndefiniteError:
+            nearest = provided("nearest_dynamics")(replace(self, robot=robot))
+            if nearest is None:
+                raise
+            return nearest
 
     def _with_rotors(self, names: Collection[str]) -> Robot:
         """The robot with the rotors of some joints as torques showed them."""

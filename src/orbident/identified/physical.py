@@ -11,6 +11,7 @@ The nearest positive definite matrices under linear equations; cvxpy's one user.
 """
 
 import warnings
+from dataclasses import replace
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -22,7 +23,12 @@ from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.model.core_robot import theta_with_rotors
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.reconstruction import check_known, root_of
+from orbident.model.reconstruction import (
+    Dynamics,
+    check_known,
+    reconstructed,
+    root_of,
+)
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -178,6 +184,20 @@ def physical_bodies(
     known = np.delete(np.arange(theta.size), robot.free_parameters)
     theta.ravel()[known] = 0.0
     return PhysicalBodies(theta, deviation)
+
+
+def nearest_dynamics(result: Result) -> Dynamics | None:
+    """`H+` of the nearest bodies that can exist; None where `physical_bodies` is.
+
+    Raises:
+        InputError: the result is rejected or not complete, or cvxpy is not installed.
+    """
+    robot, C = result.robot, result.base_covariance
+    bodies = physical_bodies(result, np.zeros_like(robot.theta), C)
+    if bodies is None:
+        return None
+    beta = minimal_sets(robot).base.T @ bodies.theta.ravel()
+    return replace(reconstructed(robot, beta, C), moved=bodies.deviation)
 
 
 class _Equations(NamedTuple):

@@ -48,6 +48,8 @@ class Dynamics:
     """The robot with a `theta` of the identified momentum; the nominal one is gone."""
     root: Float[np.ndarray, "beta beta"]
     """A square root of the covariance of the base parameters."""
+    moved: float = 0.0
+    """How far the base parameters were moved so that bodies can exist, in sigmas."""
 
     def __repr__(self) -> str:
         """What it is of, over which speeds, and what it gives."""
@@ -55,6 +57,9 @@ class Dynamics:
         lines = [
             f"dynamics of {robot.name}, {robot.mass:.6g} kg, over v_cm, w, "
             f"{len(robot.joints)} joints and {len(robot.wheels)} wheels",
+            f"its parameters moved by {self.moved:.2g} sigmas, to bodies that can exist"
+            if self.moved
+            else "",
             lacking_rotors(robot),
             "H_plus(q), c_plus(q, v), equations(q, v), jacobian(q, body, point), "
             "generalised_forces(q, joint_torques, wheel_torques), torques(q, qd, qdd)",
@@ -343,8 +348,9 @@ def reconstructed(
         covariance: of `beta`; NaN where it is not known.
 
     Raises:
-        InputError: `beta` has not the robot's size or is not all known, or no
-            mechanism has such parameters: its mass matrix is not positive definite.
+        InputError: `beta` has not the robot's size or is not all known.
+        IndefiniteError: no mechanism has such parameters: its mass matrix is not
+            positive definite.
     """
     check_known(robot, beta)
     same_momentum = replace(robot, theta=minimal_sets(robot).theta(beta))

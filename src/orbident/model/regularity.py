@@ -23,6 +23,10 @@ CONFIGURATIONS = 1024
 """Random configurations in which an identified mass matrix is checked."""
 
 
+class IndefiniteError(InputError):
+    """With the identified parameters some motion has no energy, or less."""
+
+
 @lru_cache(maxsize=KEPT)
 def check_regular(robot: Robot) -> None:
     """Refuse a robot whose nominal mass matrix is singular.
@@ -72,7 +76,7 @@ def check_definite(robot: Robot) -> None:
         robot: with the identified `theta`; `H+` is checked all over its joints' ranges.
 
     Raises:
-        InputError: somewhere it is not positive definite.
+        IndefiniteError: somewhere it is not positive definite.
     """
     may, q = movable(robot), _configurations(robot)
     H, _, _ = equations_of_motion(robot, q, np.zeros((len(q), may.size)))
@@ -102,8 +106,8 @@ def _refuse_identified(
     robot: Robot, who: str, q: Float[np.ndarray, " joints"]
 ) -> NoReturn:
     at = joined(f"{x:.3g}" for x in q)
-    raise InputError(
+    raise IndefiniteError(
         f"{robot.name}: with the identified parameters H+ is singular or indefinite at "
-        f"q = [{at}], mostly in '{who}'; the recording determines them too badly: "
-        "excite the robot more, or export the nearest physical model"
+        f"q = [{at}], mostly in '{who}', and no bodies that can exist are near; the "
+        "recording determines them too badly: excite the robot more"
     )

@@ -16,6 +16,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.exported_robot import exported_urdf, wheel_parts
 from orbident.identified.physical import PhysicalBodies, physical_bodies
+from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_matrix
@@ -171,3 +172,27 @@ def test_the_base_exists_without_its_rotors(servicer):
     text = exported_urdf(servicer, servicer.theta)
     links = {link.get("name"): link for link in ET.fromstring(text).iter("link")}
     assert weighed(links["bus"]) == pytest.approx(102.0)
+
+
+def test_dynamics_where_no_mechanism_has_the_parameters(found: Result):
+    """Those of the nearest bodies: a moment that the recording left open is below zero.
+
+    Where it is below zero for sure there are none, and that is said.
+    """
+    names = formulas_of(found.robot, minimal_sets(found.robot)).base.names
+    beta = found.base.values.copy()
+    k = names.index("iota_12")
+    Iyy, beta[k] = beta[k], -0.1 * beta[k]
+    open_, sure = np.full((2, beta.size), 1e-4)
+    open_[k] = Iyy
+    near = with_base(found, beta, open_).dynamics()
+    assert 0.5 < near.moved < 2.0
+    assert "moved by" in repr(near)
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (100, 3))
+    free = [*range(6 + 3)]
+    H = near.H_plus(q)[:, free][:, :, free]
+    assert np.linalg.eigvalsh(H).min() > 0
+    moved = minimal_sets(found.robot).beta(near.robot.theta) - beta
+    assert np.linalg.norm(moved / open_) == pytest.approx(near.moved, rel=0.01)
+    with pytest.raises(InputError, match="singular or indefinite"):
+        with_base(found, beta, sure).dynamics()
