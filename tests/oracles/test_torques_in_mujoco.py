@@ -248,17 +248,19 @@ def test_identified_by_currents(wheels, mass):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(("wheels", "within"), [(True, 0.02), (False, 0.05)])
 @pytest.mark.parametrize("motors", [True, False])
-def test_intervals_hold_where_torques_are_off(motors):
+def test_intervals_hold_where_torques_are_off(motors, wheels, within):
     """Of 80 flights: base parameters, friction and the 400 errors of scale.
 
-    The part of 400 numbers that is inside varies by 1.1 %, of 100 by 2.2 %.
+    The part of 400 numbers that is inside varies by 1.1 %, of 100 by 2.2 %. Without
+    wheels all numbers of a flight share the error of its scale: of 80 it is 2.4 %.
     """
-    every = [found_off(True, motors, seed) for seed in range(80)]
+    every = [found_off(wheels, motors, seed) for seed in range(80)]
     numbers = ((one.base, one.friction, scales) for one, scales in every)
     for off in map(np.concatenate, zip(*numbers, strict=True)):
         held = np.mean(np.abs(off) < 1.96)
-        assert held == pytest.approx(0.95, abs=0.02), held
+        assert held == pytest.approx(0.95, abs=within), held
 
 
 class World(NamedTuple):
