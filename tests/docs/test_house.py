@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 298,
-    "lines": 61_862,
+    "lines": 61_964,
     "files of estimation": 48,
     "lines of estimation": 11_467,
     "files with one user": 66,

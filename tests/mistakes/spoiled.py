@@ -45,6 +45,8 @@ def tolerating(spoiled: Spoiled, tolerance: Mapping[str, Any]) -> Spoiled:
     """The same recording, with a robot file that declares this tolerance."""
     robot = spoiled.robot
     entry = TolerancesEntry.model_validate(tolerance)
-    said = entry.in_si(robot.joints, robot.thrusters, robot.name)
+    said = entry.in_si(
+        robot.joints, robot.thrusters, robot.torque_constants, robot.name
+    )
     known = replace(robot, tolerances=said)
     return replace(spoiled, robot=known)

@@ -57,7 +57,7 @@ def in_its_world(name: str) -> Robot:
     return replace(
         robot,
         disturbances=None,
-        tolerances=TolerancesEntry().in_si(robot.joints, (), name),
+        tolerances=TolerancesEntry().in_si(robot.joints, (), (), name),
         pads={robot.bodies[0]: np.zeros(3)} if planar else {},
     )
 

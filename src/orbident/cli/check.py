@@ -92,6 +92,7 @@ def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
         "couplings": [coupling._asdict() for coupling in robot.couplings],
         "wheels": list(robot.wheel_names),
         "rotors": {name: rotor._asdict() for name, rotor in robot.rotors.items()},
+        "torque_constants": dict(robot.torque_constants),
         "sensors": list(robot.sensors.declared),
         "odd": list(odd),
     }

@@ -102,13 +102,7 @@ def _deviations(known: Any) -> list[float | None]:
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     from orbident.cli.excite_tables import table_words
-    from orbident.cli.robot_tree import (
-        friction_words,
-        passive_words,
-        rotor_words,
-        wheel_words,
-    )
-    from orbident.robot.description import NO_ROTOR
+    from orbident.cli.robot_tree import driven_words, wheel_words
 
     count = document["count"]
     lines = [
@@ -118,10 +112,8 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     ]
     for joint, body in zip(robot.joints, robot.bodies[1:], strict=True):
         parent = robot.bodies[joint.parent]
-        rotor = rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
-        rotor += passive_words(robot.passive.get(joint.name))
-        rotor += friction_words(robot.friction.get(joint.name))
-        lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}{rotor}")
+        how = driven_words(robot, joint)
+        lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}{how}")
     lines += [f"wheel   {wheel.name}: {wheel_words(wheel)}" for wheel in robot.wheels]
     if document.get("table"):
         lines.append(f"motion  {table_words(document['table'])}")

@@ -45,9 +45,7 @@ def robot_tree(robot: Robot) -> Tree:
     follows = {each.follower: _coupling_words(each) for each in robot.couplings}
     for k, joint in enumerate(robot.joints, start=1):
         how = _joint_words(joint) + follows.get(joint.name, "")
-        how += rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
-        how += passive_words(robot.passive.get(joint.name))
-        how += friction_words(robot.friction.get(joint.name))
+        how += driven_words(robot, joint)
         words = f"{joint.name}  {how}\n{robot.bodies[k]}  "
         nodes.append(nodes[joint.parent].add(words + _body_words(robot, k)))
     for wheel in robot.wheels:
@@ -60,7 +58,15 @@ def robot_tree(robot: Robot) -> Tree:
     return tree
 
 
-def passive_words(passive: Passive | None) -> str:
+def driven_words(robot: Robot, joint: Joint) -> str:
+    """What is declared of its motor, its friction or its spring."""
+    rotor = _rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
+    passive = _passive_words(robot.passive.get(joint.name))
+    friction = _friction_words(robot.friction.get(joint.name))
+    return rotor + passive + _constant_words(robot, joint) + friction
+
+
+def _passive_words(passive: Passive | None) -> str:
     """That nobody measures it, and how it swings."""
     if passive is None:
         return ""
@@ -70,7 +76,7 @@ def passive_words(passive: Passive | None) -> str:
     )
 
 
-def friction_words(friction: Friction | None) -> str:
+def _friction_words(friction: Friction | None) -> str:
     """What is declared of it, SI."""
     if friction is None:
         return ""
@@ -81,12 +87,22 @@ def friction_words(friction: Friction | None) -> str:
     )
 
 
+def _constant_words(robot: Robot, joint: Joint) -> str:
+    """The torque constant of its motor, with its tolerance."""
+    constant = robot.torque_constants.get(joint.name)
+    if constant is None:
+        return ""
+    unit = "N m/A" if joint.kind == "revolute" else "N/A"
+    std = robot.tolerances.joint_torque_scale[joint.name]
+    return f", torque constant {constant:.4g} {unit} +- {100 * std:.3g} %"
+
+
 def wheel_words(wheel: Wheel) -> str:
     """Its inertia, its axis and its mode."""
     return f"{wheel.inertia:.4g} kg m^2 about {_vector(wheel.axis)}, {wheel.mode}"
 
 
-def rotor_words(rotor: GearedRotor) -> str:
+def _rotor_words(rotor: GearedRotor) -> str:
     """What turns behind a gear, with its tolerance; nothing where nothing does."""
     if not rotor.inertia:
         return ""

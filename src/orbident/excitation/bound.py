@@ -90,7 +90,7 @@ def bound_of(
     motion, true, wrenches = _moved(robot, trajectory, declared.rows_per_second)
     ideal = {name: sensor.ideal() for name, sensor in declared.declared.items()}
     exact = replace(robot, sensors=declared.model_copy(update=ideal))
-    recording = measure_truth(exact, motion.t, true)
+    recording = measure_truth(exact, motion.t, true).with_joints_of(robot)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = _true_samples(motion, wrenches, _shares(motion, sensors))
     problem = problem_of(robot, sets, samples, sensors)

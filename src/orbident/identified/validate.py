@@ -260,6 +260,7 @@ def scored(result: Result, recording: Recording) -> Validation:
     rms = {name: _rms(predicted - true) for name, (predicted, true) in pairs.items()}
     size = {name: _rms(true - true.mean(axis=0)) for name, (_, true) in pairs.items()}
     own, by_nominal = dict[str, NullableNumber](), dict[str, NullableNumber]()
+    recording = recording.with_joints_of(result.robot)
     if joints_with_torques(result.robot, recording):
         nominal = Dynamics(result.robot, np.zeros((0, 0)))
         scale = {name: each.value for name, each in result.calibration.items()}

@@ -172,7 +172,8 @@ NEVER = 1e-9
 def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
     """Plain sentences: no scale, parameters that never show, or only in company."""
     sentences = []
-    if not (robot.wheels or robot.thrusters or robot.sensors.torques):
+    torques = robot.sensors.torques or robot.torque_constants
+    if not (robot.wheels or robot.thrusters or torques):
         sentences.append(
             "the scale of pi, and so the total mass: without a reaction wheel the "
             "momentum equation has no known term; declare the robot's wheels, its "

@@ -33,6 +33,7 @@ OF_PARTS = {
         "position": "joint position, rad, or m for prismatic",
         "velocity": "joint rate, rad/s, or m/s for prismatic",
         "torque": "torque on what a joint moves, N m, or N for prismatic",
+        "current": "current of a joint's motor, A",
     },
     "wheel": {
         "speed": "wheel speed relative to the base, rad/s",
@@ -135,7 +136,8 @@ def columns_in_words(columns: Mapping[str, Float[np.ndarray, " samples"]]) -> li
     return lines
 
 
-_KNOWN = {"ns", "rpm", *(unit for units in UNITS.values() for unit in units)}
+# In a table N/A says that there is nothing.
+_KNOWN = {"ns", "rpm", *(unit for x in UNITS.values() for unit in x)} - {"N/A"}
 SI = {unit for units in UNITS.values() for unit, si in units.items() if si == 1.0}
 """The units in which a recording is."""
 _SPELLED = {

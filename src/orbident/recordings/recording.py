@@ -250,12 +250,14 @@ class Recording:
         """The recording with all joints of a robot.
 
         A joint that follows another and has no column moves as the robot says, and a
-        passive one not at all, until its own equations say more. Joints that the robot
-        lacks, and joints without a position, are refused.
+        passive one not at all, until its own equations say more. A motor's current
+        becomes the torque at its joint. Joints that the robot lacks, and joints without
+        a position, are refused.
 
         Raises:
-            InputError: A column belongs to no joint of the robot, or a joint of the
-                robot has no position column.
+            InputError: A column belongs to no joint of the robot, a joint of the robot
+                has no position column, or a current no torque constant or a torque
+                beside it.
         """
         recorded = self._parts_of("joint", robot, robot.joint_names)
         added = {
@@ -275,10 +277,31 @@ class Recording:
                     "one"
                 )
             added |= dict.fromkeys(own, np.zeros(self.t.size))
-        whole = self.with_columns(added) if added else self
+        driven = self._with_torques(robot)
+        whole = driven.with_columns(added) if added else driven
         for name in robot.joint_names:
             whole.column(f"joint.{name}.position")
         return whole
+
+    def _with_torques(self, robot: Robot) -> "Recording":
+        """The recording with torques, `torque_constant * current`, for currents."""
+        columns = dict(self.columns)
+        names = [x for x in robot.joint_names if self.has(f"joint.{x}.current")]
+        for name in names:
+            current, torque = f"joint.{name}.current", f"joint.{name}.torque"
+            if self.has(torque):
+                raise InputError(
+                    f"{self.source}: columns '{current}' and '{torque}' both tell the "
+                    "torque at one joint; remove one"
+                )
+            if name not in robot.torque_constants:
+                raise InputError(
+                    f"{self.source}: column '{current}': without the motor's torque "
+                    "constant it tells no torque; add 'torque_constants: "
+                    f"{{{name}: ... N m/A}}' to the robot file, or remove the column"
+                )
+            columns[torque] = robot.torque_constants[name] * columns.pop(current)
+        return replace(self, columns=columns) if names else self
 
     def check_wheels(self, robot: Robot) -> None:
         """Refuses wheels that the robot lacks, and wheels without a measurement.

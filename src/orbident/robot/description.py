@@ -311,6 +311,9 @@ class Robot:
     rotors: Mapping[str, GearedRotor] = field(default_factory=dict)
     """The rotors of joints' motors, by joint, no part of `theta`; a joint that turns
     and is absent may have one."""
+    torque_constants: Mapping[str, float] = field(default_factory=dict)
+    """Torque at a joint over its motor's current, behind any gear, by joint, N m/A or
+    N/A."""
     friction: Mapping[str, Friction] = field(default_factory=dict)
     """What is known of joints' friction, by joint."""
     thrusters: tuple[Thruster, ...] = ()

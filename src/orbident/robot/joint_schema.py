@@ -1,8 +1,8 @@
 """What a model and a robot file say of joints beside where they are.
 
 Which of them follow others, through however many between them; joints on springs that
-nobody measures, such as panels, booms and fuel as a pendulum; the motors' rotors; and
-friction.
+nobody measures, such as panels, booms and fuel as a pendulum; the motors' rotors and
+torque constants; and friction.
 """
 
 import json
@@ -15,6 +15,7 @@ from jaxtyping import Float
 from pydantic import BeforeValidator
 
 from orbident.errors import InputError
+from orbident.files.bounds import SMALLEST
 from orbident.files.names import quoted
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
 from orbident.robot.description import (
@@ -28,6 +29,7 @@ from orbident.robot.description import (
     Structure,
 )
 from orbident.robot.tolerances import EVERY
+from orbident.robot.units import CONSTANT_OF_A_MOTOR, quantity
 from orbident.robot.urdf import Urdf
 
 
@@ -272,22 +274,36 @@ FrictionSection = dict[Name, Annotated[Friction, keys_of(Friction)]]
 """As a robot file has it: friction by joint."""
 
 
-def check_friction(
-    friction: Collection[str], passive: Collection[str], place: str
+def _above_zero(value: object) -> float:
+    constant = quantity(value, CONSTANT_OF_A_MOTOR)
+    if constant < SMALLEST:
+        raise WrongValueError(
+            "give a torque constant above zero; negate currents of the other sign"
+        )
+    return constant
+
+
+TorqueConstants = dict[Name, Annotated[float, BeforeValidator(_above_zero)]]
+"""As a robot file has it: torque constants by joint."""
+
+
+def check_driven(
+    sections: Mapping[str, Collection[str]], passive: Collection[str], place: str
 ) -> None:
-    """Refuse friction of joints that nobody drives.
+    """Refuse motors and their friction at joints that nobody drives.
 
     Args:
-        friction: names of joints of the robot.
+        sections: names of joints of the robot, by the key that says something of them.
         passive: those that are on springs.
         place: the robot file's name, for messages.
 
     Raises:
         InputError: one of them is passive.
     """
-    for name in friction:
-        if name in passive:
-            raise InputError(
-                f"{place}: friction.{name}: the joint is passive, and its damping is "
-                "among 'passive'; leave out one"
-            )
+    for section, names in sections.items():
+        for name in names:
+            if name in passive:
+                raise InputError(
+                    f"{place}: {section}.{name}: the joint is passive: no motor drives "
+                    "it, and its damping is among 'passive'; leave out one"
+                )

@@ -303,7 +303,8 @@ def _without_limits(robot: Robot) -> list[str]:
 
 
 def _without_wheels(robot: Robot) -> list[str]:
-    if robot.wheels or robot.thrusters or robot.sensors.torques:
+    torques = robot.sensors.torques or robot.torque_constants
+    if robot.wheels or robot.thrusters or torques:
         return []
     return [
         "no wheels and no thrusters: without a momentum that is known, pi has no scale "

@@ -28,7 +28,7 @@ from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_mod
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.joint_schema import (
     armature_stds,
-    check_friction,
+    check_driven,
     check_passive,
     couplings_of,
     proposed_rotors,
@@ -79,7 +79,8 @@ def assembled(
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place
     )
-    check_friction(file.friction, file.passive, place)
+    driven = {"friction": file.friction, "torque_constants": file.torque_constants}
+    check_driven(driven, file.passive, place)
     friction = {name: file.friction.get(name, NO_FRICTION) for name in names}
     return Robot(
         name=file.name or urdf.name,
@@ -91,6 +92,7 @@ def assembled(
         couplings=couplings,
         wheels=wheels,
         rotors=rotors,
+        torque_constants=file.torque_constants,
         friction=file.friction,
         thrusters=file.thrusters,
         torquers=file.torquers,
@@ -104,7 +106,9 @@ def assembled(
         structure=file.structure,
         sensors=file.sensors,
         tolerances=replace(
-            file.tolerances.in_si(bodies.joints, file.thrusters, place),
+            file.tolerances.in_si(
+                bodies.joints, file.thrusters, file.torque_constants, place
+            ),
             joint_frequency={n: each.tolerance for n, each in file.passive.items()},
             joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
             joint_armature=armature_stds(rotors, bodies.joints),
@@ -199,6 +203,7 @@ def _check_names(
         "passive": file.passive,
         "rotors": rotors,
         "friction": file.friction,
+        "torque_constants": file.torque_constants,
         "limits": file.limits,
     }
     for sections, known, one, several in (

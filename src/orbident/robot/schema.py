@@ -1,7 +1,7 @@
 """The robot file as pydantic models: what may stand where."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -36,11 +36,21 @@ from orbident.robot.description import (
     Thruster,
     Torquer,
 )
-from orbident.robot.joint_schema import FrictionSection, PassiveSection, RotorSection
+from orbident.robot.joint_schema import (
+    FrictionSection,
+    PassiveSection,
+    RotorSection,
+    TorqueConstants,
+)
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec
-from orbident.robot.tolerances import CALIBRATION_KINDS, EVERY, Tolerances
+from orbident.robot.tolerances import (
+    CALIBRATION_KINDS,
+    EVERY,
+    TORQUE_CONSTANTS,
+    Tolerances,
+)
 from orbident.robot.units import (
     OF_A_JOINT,
     POSITION_OF,
@@ -101,9 +111,13 @@ class TolerancesEntry(
     """Standard deviations of calibration errors; what is absent is as usual."""
 
     def in_si(
-        self, joints: Sequence[Joint], thrusters: Sequence[Thruster], place: str
+        self,
+        joints: Sequence[Joint],
+        thrusters: Sequence[Thruster],
+        torque_constants: Collection[str],
+        place: str,
     ) -> Tolerances:
-        """The tolerances of a robot with these joints and thrusters.
+        """The tolerances of a robot with these joints, thrusters and torque constants.
 
         What is said of each thruster may be wrong of all of them alike, as where one
         bench measured them: by as much as of the one that is known best.
@@ -123,6 +137,11 @@ class TolerancesEntry(
         every = given["joints"].get(EVERY)
         own = {each.name: given["joints"].get(each.name, every) for each in joints}
         alike = {"thruster_scale": min((each.gain for each in thrusters), default=0.0)}
+        slides = [each.name for each in joints if each.kind == "prismatic"]
+        own_usual = {
+            "joint_zero": dict.fromkeys(slides, USUAL_OF_SLIDES),
+            "joint_torque_scale": dict.fromkeys(torque_constants, TORQUE_CONSTANTS),
+        }
         found: dict[str, Any] = {}
         for tolerance, kind in DECLARED.items():
             section, _, key = kind.entry.partition(".")
@@ -131,8 +150,10 @@ class TolerancesEntry(
                 stds = {name: getattr(entry, key, None) for name, entry in own.items()}
                 if kind.dimension == OF_A_JOINT:
                     stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
+                usuals = dict.fromkeys(names, usual) | own_usual.get(tolerance, {})
                 found[tolerance] = {
-                    name: usual if std is None else std for name, std in stds.items()
+                    name: usuals[name] if std is None else std
+                    for name, std in stds.items()
                 }
             else:
                 std = getattr(given[section], key) if key else given[section]
@@ -142,7 +163,7 @@ class TolerancesEntry(
 
 def _zero_of(joint: Joint, zero: object, place: str) -> float | None:
     if zero is None:
-        return None if joint.kind == "revolute" else USUAL_OF_SLIDES
+        return None
     try:
         return at_least_zero(zero, POSITION_OF[joint.kind])
     except WrongValueError as error:
@@ -260,6 +281,7 @@ class RobotFile(MappingSchema):
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     rotors: RotorSection = Field(default_factory=dict)
+    torque_constants: TorqueConstants = Field(default_factory=dict)
     friction: FrictionSection = Field(default_factory=dict)
     thrusters: tuple[Annotated[Thruster, keys_of(Thruster)], ...] = ()
     torquers: tuple[Annotated[Torquer, keys_of(Torquer)], ...] = ()

@@ -25,6 +25,9 @@ FRICTION = "friction"
 TORQUE_SENSORS = 0.01
 """Scale of a joint's torque sensor, relative: 1 % of full scale is usual."""
 
+TORQUE_CONSTANTS = 0.05
+"""The same of a motor's current: data sheets are right to 10 %, two deviations."""
+
 
 class CalibrationKind(NamedTuple):
     """One kind of error."""
@@ -137,7 +140,7 @@ class Tolerances:
         usual=TORQUE_SENSORS,
         of_all="torque scales",
     )
-    """Scale of the torque sensor by joint, relative."""
+    """Scale of the torque sensor, or of the torque constant, by joint, relative."""
     joint_armature: Mapping[str, float] = _of_each_joint(
         "joint.{}.armature", "", ARMATURE_OF_A_JOINT
     )

@@ -43,6 +43,9 @@ UNITS: dict[str, dict[str, float]] = {
     "density": {"kg/m^3": 1.0, "g/cm^3": 1e3},
     "force": {"N": 1.0, "mN": 1e-3, "uN": 1e-6},
     "torque": {"Nm": 1.0, "mNm": 1e-3, "uNm": 1e-6},
+    "current": {"A": 1.0, "mA": 1e-3},
+    "constant of a motor that turns": {"Nm/A": 1.0, "mNm/A": 1e-3},
+    "constant of a motor that slides": {"N/A": 1.0, "mN/A": 1e-3},
     "force density": {"N/sqrt(Hz)": 1.0, "mN/sqrt(Hz)": 1e-3, "uN/sqrt(Hz)": 1e-6},
     "torque density": {"Nm/sqrt(Hz)": 1.0, "mNm/sqrt(Hz)": 1e-3, "uNm/sqrt(Hz)": 1e-6},
     "slope": {"1/s^2": 1.0, "urad/m": 1e-6 * STANDARD_GRAVITY},
@@ -91,6 +94,7 @@ OF_A_JOINT = "angle or length"
 """The dimension of a position of a joint that may be of either kind."""
 
 TORQUE_OF_A_JOINT = "torque or force"
+CONSTANT_OF_A_MOTOR = "torque constant"
 FRICTION_OF_A_JOINT = "viscous friction"
 ARMATURE_OF_A_JOINT = "inertia or mass"
 
@@ -100,6 +104,10 @@ POSITION_OF = {"revolute": "angle", "prismatic": "length"}
 BY_KIND = {
     OF_A_JOINT: POSITION_OF,
     TORQUE_OF_A_JOINT: {"revolute": "torque", "prismatic": "force"},
+    CONSTANT_OF_A_MOTOR: {
+        "revolute": "constant of a motor that turns",
+        "prismatic": "constant of a motor that slides",
+    },
     FRICTION_OF_A_JOINT: {"revolute": "turning drag", "prismatic": "drag"},
     ARMATURE_OF_A_JOINT: {"revolute": "inertia", "prismatic": "mass"},
 }

@@ -226,7 +226,7 @@ class Channel(NamedTuple):
     @property
     def stream(self) -> str:
         """The name of the stream of random numbers: beside an encoder, one's own."""
-        rate = self.components[0] in {"velocity", "speed", "torque"}
+        rate = self.components[0] in {"velocity", "speed", "torque", "current"}
         return f"{self.name}.{self.components[0]}" if rate else self.name
 
 
@@ -250,10 +250,13 @@ def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
                 yield Channel(key, encoder, name, (what,), qd[:, [k]], read)
     torques, seen = sensors.torques, true.shown_torques(robot)
     if torques is not None and seen is not None:
-        read = partial(read_scalars, torques.white_noise, 0.0)
         for k, name in enumerate(names):
-            joint = f"joint.{name}"
-            yield Channel("torques", torques, joint, ("torque",), seen[:, [k]], read)
+            constant = robot.torque_constants.get(name)
+            # A joint with a torque constant shows its motor's current.
+            what, unit = ("torque", 1.0) if constant is None else ("current", constant)
+            joint, shown = f"joint.{name}", seen[:, [k]] / unit
+            read = partial(read_scalars, torques.white_noise / unit, 0.0)
+            yield Channel("torques", torques, joint, (what,), shown, read)
     yield from _of_base(sensors, true)
 
 

@@ -70,7 +70,7 @@ def fly_demo(seed: int = 0) -> DemoFlights:
     """
     robot = spatial_robot()
     said = {key: x for key, x in robot.document.items() if key not in UNSAID}
-    usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, robot.name)
+    usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, (), robot.name)
     robot = replace(robot, disturbances=None, tolerances=usual, document=said)
     motion = replace(spatial_trajectory(robot), environment=ACTING)
     case = Case(0, Subject(robot, motion), VARIED, seed)

@@ -1,4 +1,5 @@
 import pickle
+import re
 from dataclasses import replace
 
 import jaxtyping
@@ -198,6 +199,50 @@ def test_check_joints_names_the_robots_joints():
 def test_check_joints_needs_every_position():
     with pytest.raises(InputError, match=r"'joint\.arm\.2\.position' is missing"):
         recording(joint__arm__1__position=T).with_joints_of(robot())
+
+
+def driven(**constants: float) -> Robot:
+    names = {name.replace("__", "."): each for name, each in constants.items()}
+    return replace(robot(), torque_constants=names)
+
+
+def test_currents_become_torques():
+    missing = np.array([1.0, np.nan, -2.0])
+    shown = arm(joint__arm__1__current=missing, joint__arm__2__torque=T)
+    whole = shown.with_joints_of(driven(arm__1=2.5, arm__2=4.0))
+    np.testing.assert_array_equal(
+        whole.column("joint.arm.1.torque"), [2.5, np.nan, -5.0]
+    )
+    np.testing.assert_array_equal(whole.column("joint.arm.2.torque"), T)
+    assert not whole.has("joint.arm.1.current")
+    # What is a torque already stays what it is.
+    assert whole.with_joints_of(driven(arm__1=2.5)).columns == whole.columns
+    nothing = arm(joint__arm__1__current=np.full(3, np.nan))
+    torque = nothing.with_joints_of(driven(arm__1=2.5)).column("joint.arm.1.torque")
+    assert np.isnan(torque).all()
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        (
+            {"joint__arm__2__current": T},
+            "flight.csv: column 'joint.arm.2.current': without the motor's torque "
+            "constant it tells no torque; add 'torque_constants: {arm.2: ... N m/A}' "
+            "to the robot file, or remove the column",
+        ),
+        (
+            {"joint__arm__1__current": T, "joint__arm__1__torque": T},
+            "flight.csv: columns 'joint.arm.1.current' and 'joint.arm.1.torque' both "
+            "tell the torque at one joint; remove one",
+        ),
+        ({"joint__elbow__current": T}, "has no joint 'elbow', only"),
+    ],
+)
+def test_currents_that_tell_no_torque_are_refused(columns, message):
+    with pytest.raises(InputError, match=re.escape(message)) as error:
+        arm(**columns).with_joints_of(driven(arm__1=2.5))
+    assert "\n" not in str(error.value)
 
 
 def test_joints_that_follow_others():

@@ -58,6 +58,26 @@ rotors: none
     assert {*known.joint_armature.values()} == {0.0}
 
 
+def test_torque_constants_are_known_less_well_than_sensors(load_yaml):
+    constants = "torque_constants: {joint1: 2.1 N m/A, joint2: 300 mN m/A}"
+    robot = load_yaml(constants)
+    first, second, *others = robot.joint_names
+    assert robot.torque_constants == {first: 2.1, second: pytest.approx(0.3)}
+    stds = robot.tolerances.joint_torque_scale
+    assert (stds[first], stds[second]) == (0.05, 0.05)
+    assert {stds[name] for name in others} <= {0.01}
+    measured = "tolerances: {joints: {joint1: {torque_scale: 2 %}}}"
+    stds = load_yaml(f"{constants}\n{measured}").tolerances.joint_torque_scale
+    assert (stds[first], stds[second]) == (0.02, 0.05)
+    exact = load_yaml(f"{constants}\ntolerances: exact").tolerances
+    assert {*exact.joint_torque_scale.values()} == {0.0}
+
+
+def test_a_motor_that_slides_has_newtons_for_an_ampere(load_yaml):
+    robot = load_yaml("torque_constants: {joint1: 50 N/A}", SLIDING)
+    assert robot.torque_constants == {"joint1": 50.0}
+
+
 @pytest.mark.parametrize(
     ("section", "message"),
     [
@@ -70,9 +90,20 @@ rotors: none
             "friction.joint1: the joint is passive",
         ),
         ("sensors: {torques: {}}", "std"),
+        ("torque_constants: {knee: 1}", "torque_constants: no joint 'knee'"),
+        ("torque_constants: {joint1: 0}", "give a torque constant above zero"),
+        ("torque_constants: {joint1: -2 N m/A}", "negate currents of the other"),
+        ("torque_constants: {joint1: 2 N m}", "unknown unit 'Nm' of a torque con"),
+        ("torque_constants: {joint1: 1e13 N m/A}", "give at most"),
+        ("torque_constants: {joint1: .nan}", "give a finite number"),
+        ("torque_constants: 2", "torque_constants: found 2"),
+        (
+            "torque_constants: {joint1: 1}\npassive: {joint1: {frequency: 1}}",
+            "torque_constants.joint1: the joint is passive",
+        ),
     ],
 )
-def test_what_is_no_friction_is_refused_in_one_line(load_yaml, section, message):
+def test_what_is_no_motor_or_friction_is_refused(load_yaml, section, message):
     with pytest.raises(InputError, match=message) as error:
         load_yaml(section)
     assert "\n" not in str(error.value)

@@ -205,3 +205,22 @@ def test_simulate_measures_when_asked():
         recording.column("gyro.x"), measured(EVERYTHING, 5).column("gyro.x")
     )
     assert "wheel.rw_x.speed" in simulate(robot, TRAJECTORY, seed=5).columns
+
+
+def test_a_joint_with_a_torque_constant_shows_its_current():
+    """`current = torque / constant`, and so is its noise."""
+    one, *others = ROBOT.joint_names
+    motors = replace(ROBOT, torque_constants={one: 2.5})
+    exact = with_sensors({"torques": {"std": 0.0}}, motors)
+    true = measure(exact, MOTION, truth=True).columns
+    np.testing.assert_allclose(
+        2.5 * true[f"joint.{one}.current"], true[f"truth.joint.{one}.torque"]
+    )
+    assert f"joint.{one}.torque" not in true
+    assert all(f"joint.{name}.torque" in true for name in others)
+    noisy = measure(with_sensors({"torques": {"std": 0.1}}, motors), MOTION).columns
+    error = noisy[f"joint.{one}.current"] - true[f"joint.{one}.current"]
+    # Of 201 samples: a deviation is known to 5 %.
+    assert np.std(error) == pytest.approx(0.1 / 2.5, rel=0.2)
+    # Nothing is shown that nobody asked for.
+    assert not any("current" in name for name in measure(motors, MOTION).columns)

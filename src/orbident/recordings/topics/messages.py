@@ -163,7 +163,7 @@ class JointTake(Take):
 
     position: Annotated[Unit, unit("angle", "length")] | None = None
     velocity: Annotated[Unit, unit("angular rate", "velocity")] | None = None
-    effort: Annotated[Unit, unit("torque", "force")] | None = None
+    effort: Annotated[Unit, unit("torque", "force", "current")] | None = None
 
 
 class JointStates(Entry):
@@ -193,7 +193,8 @@ class JointStates(Entry):
             )
         if self.take.effort and self.wheels:
             raise InputError(
-                "take: efforts are torques of joints; give wheels an entry of their own"
+                "take: efforts are torques or currents of joints; give wheels an entry "
+                "of their own"
             )
         return self
 
@@ -208,12 +209,13 @@ class JointStates(Entry):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """All positions, then all velocities, then all torques."""
-        names = []
+        """All positions, then all velocities, then all torques or currents."""
+        effort, names = self.take.effort, []
+        drive = "current" if effort and effort.dimension == "current" else "torque"
         for key, own, speed in (
             ("position", "position", "position"),
             ("velocity", "velocity", "speed"),
-            ("effort", "torque", ""),
+            ("effort", drive, ""),
         ):
             if key in self.take.taken:
                 names += [f"joint.{name}.{own}" for name in self.joints.values()]

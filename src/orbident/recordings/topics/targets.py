@@ -35,6 +35,7 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "acceleration": UNITS["acceleration"],
     "force": {"N": 1.0, "mN": 1e-3},
     "torque": {"N m": 1.0, "mN m": 1e-3},
+    "current": UNITS["current"],
     "share": UNITS["share"],
     "magnetic moment": {"A m^2": 1.0},
 }
@@ -148,6 +149,7 @@ _OF_PARTS = {
     ("joint", "position"): ("angle", "length"),
     ("joint", "velocity"): ("angular rate", "velocity"),
     ("joint", "torque"): ("torque", "force"),
+    ("joint", "current"): ("current",),
     ("wheel", "position"): ("angle",),
     ("wheel", "speed"): ("angular rate",),
     ("thruster", "force"): ("force",),

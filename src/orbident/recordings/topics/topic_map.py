@@ -86,6 +86,7 @@ _UNITS = {
     "force": "N",
     "torque": "N m",
 }
+_OF_JOINTS = {"position": "rad", "torque": "N m", "current": "A"}
 _SHOWN = 100
 """Fields that are listed."""
 
@@ -140,7 +141,7 @@ def _known(group: Group) -> dict[str, tuple[str, str]]:
     for name in group.fields:
         if is_known(name) and name.startswith(("joint.", "wheel.")):
             last = name.rsplit(".", 1)[1]
-            unit = "rad" if last == "position" else "rad/s"
+            unit = _OF_JOINTS.get(last, "rad/s")
             found[name] = group.unit(name) or unit, as_yaml(name)
     return found
 

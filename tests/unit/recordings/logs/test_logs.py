@@ -12,6 +12,8 @@ from log_writers import KINDS, write_log
 from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
+from orbident.errors import InputError
+from orbident.recordings.columns import written_unit
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import ConversionReport, convert_file
@@ -118,6 +120,24 @@ def test_a_proposal_of_our_own_names_converts(tmp_path: Path):
     convert_file(path, tmp_path / "map.yaml", tmp_path / "out.csv")
     recording = read_recording(tmp_path / "out.csv")
     np.testing.assert_array_equal(recording.vector("gyro")[0], [2, 3, 4])
+
+
+def test_a_proposal_of_torques_and_currents_converts(tmp_path: Path):
+    path = tmp_path / "r.csv"
+    head = "t,joint.a.position,joint.a.velocity,joint.a.torque,joint.b.current"
+    path.write_text(f"{head},note\n0,1,2,3,4,start\n1,1,2,3,4,\n")
+    (tmp_path / "map.yaml").write_text(proposed_map(survey_file(path)))
+    convert_file(path, tmp_path / "map.yaml", tmp_path / "out.csv")
+    recording = read_recording(tmp_path / "out.csv")
+    assert [column[0] for column in recording.columns.values()] == [1, 2, 3, 4]
+
+
+def test_units_in_titles_of_currents_and_what_is_not_available(tmp_path: Path):
+    path = tmp_path / "r.csv"
+    path.write_text("t,joint.a.position,joint.a.current\ns,rad,mA\n0,1,2\n1,1,2\n")
+    with pytest.raises(InputError, match=r"column 'joint\.a\.current' is in mA"):
+        read_recording(path)
+    assert written_unit("N/A") == ""
 
 
 def test_attitudes_of_every_form(tmp_path: Path):

@@ -284,6 +284,29 @@ def test_efforts_are_torques_of_joints(tmp_path):
     np.testing.assert_array_equal(recording.column("joint.joint1.position"), k)
 
 
+def test_efforts_may_be_currents_of_motors(tmp_path):
+    sent = []
+    for k in range(4):
+        stamp = START + k * MS
+        sent.append(joint_state("/js", stamp, stamp, ["elbow"], [k], [], [10 * k]))
+        sent.append(float64("/motor", stamp, k))
+    entries = """\
+  - topic: /js
+    type: sensor_msgs/JointState
+    take: {position: rad, effort: mA}
+    joints: {elbow: joint2}
+  - topic: /motor
+    type: std_msgs/Float64
+    take: {joint.joint1.current: A}
+"""
+    recording, _ = converted(tmp_path, sent, entries)
+    k = np.arange(4)
+    np.testing.assert_allclose(recording.column("joint.joint2.current"), 0.01 * k)
+    assert not recording.has("joint.joint2.torque")
+    shown = recording.column("joint.joint1.current")
+    np.testing.assert_array_equal(shown[np.isfinite(shown)], k)
+
+
 def test_clocks_without_a_common_time_are_pointed_out(tmp_path):
     second = WHEEL.replace("/imu", "/pose").replace(
         "sensor_msgs/Imu", "std_msgs/Float64"

@@ -85,7 +85,7 @@ REFUSED = {
     ),
     "the torque of a wheel": (
         JOINTS + "take: {effort: N m}, wheels: {a: b}}",
-        "efforts are torques of joints; give wheels an entry",
+        "efforts are torques or currents of joints; give wheels an entry",
     ),
     "two numbers of one": (
         FLOAT + "take: {gyro.x: rad/s, gyro.y: rad/s}, " + BASE,
