@@ -1,5 +1,4 @@
 import math
-import math
 from dataclasses import make_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -235,7 +234,9 @@ def test_a_new_kind_of_error_is_one_row(monkeypatch):
     )
     robot = replace(robot, tolerances=more(**vars(robot.tolerances)))
     every = calibrations_of(robot, {"gyro"}, {"wheel.rw_x.place": 1e-2})
-    new = {each.name: each for each in every if each.name.startswith("wheel.") and ".place." in each.name}
+    new = {
+        x.name: x for x in every if x.name.startswith("wheel.") and ".place" in x.name
+    }
     assert list(new)[:3] == [f"wheel.rw_x.place.{axis}" for axis in "xyz"]
     assert {each.unit for each in new.values()} == {"rad"}
     assert new["wheel.rw_x.place.y"].std == 1e-2
