@@ -45,6 +45,10 @@ pytestmark = pytest.mark.long
 REALISED = int(os.environ.get("ORBIDENT_REALISED", "200"))
 """So many recordings of each robot."""
 
+REFUSED = 0.01
+"""So large a part of good recordings is refused by chance: five times docs/decisions/0028, as
+200 of them show it."""
+
 OTHERS = os.environ.get("ORBIDENT_ROBOTS", "").split()
 
 OWN = ["cepheus-like", "paper-spatial"]
@@ -127,7 +131,10 @@ def momentum_of(robot: Robot) -> InitialMomentum:
 
 
 def realised(robot: Robot, trajectory: Trajectory, seed: int) -> np.ndarray:
-    """Errors of `pi`, their deviations, and the whitened square of all errors."""
+    """Errors of `pi`, their deviations, and the whitened square of all errors.
+
+    NaN where the recording is refused.
+    """
     sizes = sizes_for(robot, trajectory)
     errors = drawn_errors(robot, seed)
     flown = moved_joints(robot, errors)
@@ -137,7 +144,9 @@ def realised(robot: Robot, trajectory: Trajectory, seed: int) -> np.ndarray:
     with patch("orbident.simulation.outside.markov", partial(slowly, robot, sizes)):
         recording = recorded(flown, acted, errors, seed)
     found = identify(robot, recording, initial_momentum=momentum_of(robot))
-    assert found.status == "ok", found.warnings
+    if found.status != "ok":
+        print(f"seed {seed} is refused: {found.warnings}")
+        return np.full(2 * found.pi.values.size + 1, np.nan)
     miss = found.base.values - found.base.nominal
     square = miss @ np.linalg.solve(found.base_covariance, miss)
     return np.array([*(found.pi.values - found.pi.nominal), *found.pi.std, square])
@@ -149,17 +158,19 @@ def test_what_a_designed_motion_promises_is_realised(name, capsys):
     motion = design_excitation(robot, conditions=conditions(robot), budget=20.0)
     series = Series(partial(realised, robot, motion), range(REALISED))
     (made,) = SeedRuns(executors=local(at_hand())).over(series)
-    errors, std = np.split(made.runs[:, :-1], 2, axis=1)
+    kept = made.runs[np.isfinite(made.runs).all(axis=1)]
+    errors, std = np.split(kept[:, :-1], 2, axis=1)
     rms, deviation = (np.sqrt(np.mean(np.square(x), axis=0)) for x in (errors, std))
     known = bound_of(robot, motion, momentum_of(robot)).parameters
     promised = np.sqrt(np.diag(known.pi.covariance))
     of_pi = float(np.sqrt(np.mean(np.square(errors / std))))
-    of_all = float(np.sqrt(made.runs[:, -1].mean() / len(known.base.covariance)))
+    of_all = float(np.sqrt(kept[:, -1].mean() / len(known.base.covariance)))
     with capsys.disabled():
-        print(f"\n{name}, {REALISED} recordings: RMS error over deviation")
+        print(f"\n{name}, {len(kept)} of {REALISED}: RMS error over deviation")
         print(f"  each pi {np.round(rms / deviation, 2)}")
         print(f"  pi {of_pi:.3f}, base parameters whitened {of_all:.3f}")
         print(f"  promised over deviation {np.round(promised / deviation, 2)}")
+    assert len(kept) >= (1 - REFUSED) * REALISED
     assert promised == pytest.approx(deviation, rel=0.05)
     # So many numbers are known to 2 % by 200 recordings. Those of `pi` go together,
     # and are known to some 4 %.
