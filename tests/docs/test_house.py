@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 298,
-    "lines": 61_964,
+    "lines": 62_106,
     "files of estimation": 48,
-    "lines of estimation": 11_467,
+    "lines of estimation": 11_530,
     "files with one user": 66,
     "imports below each other": 29,
     "numbers without a reason": 38,

@@ -46,8 +46,8 @@ REALISED = int(os.environ.get("ORBIDENT_REALISED", "200"))
 """So many recordings of each robot."""
 
 REFUSED = 0.01
-"""So large a part of good recordings is refused by chance: five times docs/decisions/0028, as
-200 of them show it."""
+"""So large a part of good recordings may be refused: chance refuses 0.2 % of them
+(docs/decisions/0028)."""
 
 OTHERS = os.environ.get("ORBIDENT_ROBOTS", "").split()
 

@@ -110,7 +110,7 @@ def pulses_put_right(problem: MomentumProblem) -> Iterator[Trial]:
             "that of the force on the robot, and not of the gas)"
         )
     order = _assigned(alike)
-    if any(_of_pairs(alike, order) - alike.diagonal() > 1 - ALIKE):
+    if any(_of_pairs(alike, order) - _of_pairs(alike, as_named) > 1 - ALIKE):
         causes.append(_order_in_words(shown.names, order))
         recording = _renamed(recording, shown.names, order)
     if abs(shown.late) > max(FAR_OFF, 2 * problem.robot.tolerances.thruster_clock):

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.bounds import SHORTEST
 from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
@@ -81,7 +82,7 @@ def free_flying(
     outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
     edges += [edge for edge in outside.edges if t[0] < edge < t[-1]]
-    breaks = np.unique(np.concatenate([t, edges]))
+    breaks = _breaks(t, np.unique(edges))
 
     def thrust_at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "steps 6"]:
         # No step straddles an edge: the thrust is that of its middle.
@@ -123,6 +124,15 @@ class StateHistory(NamedTuple):
     thrust: Float[np.ndarray, "n 6"]
     path: Path | None
     """The motion between the samples, where something acts that depends on it."""
+
+
+def _breaks(
+    t: Float[np.ndarray, " n"], edges: Float[np.ndarray, " edges"]
+) -> Float[np.ndarray, " breaks"]:
+    """Sample times and edges, but one of those that differ by rounding alone."""
+    edges = edges[np.diff(edges, prepend=-np.inf) > SHORTEST]
+    nearest = t[np.searchsorted((t[1:] + t[:-1]) / 2, edges)]
+    return np.union1d(t, edges[np.abs(edges - nearest) > SHORTEST])
 
 
 def _step_nodes(

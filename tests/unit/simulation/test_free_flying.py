@@ -23,6 +23,7 @@ from orbident.simulation.control_laws import (
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
+from orbident.trajectories.environment import Environment
 
 CEPHEUS = load_robot("cepheus-like")
 PARENTS = (0, 1)
@@ -107,6 +108,24 @@ def test_pulse_edges_need_not_be_samples():
     # At an edge, what follows is shown.
     firing = np.abs(dense.force).max(axis=1) > 0
     np.testing.assert_array_equal(firing, [False, True, True, True, False, False])
+
+
+def test_pulse_edges_that_are_samples_but_for_rounding():
+    """Beside what depends on the motion, which needs a path between steps."""
+    robot = replace(CEPHEUS, disturbances={})
+    tilted = Environment(tilt=(1e-3, 0.0))
+    options = {"command": Hold(LOCKED), "joints": ARM, "environment": tilted}
+
+    def flown(first: float, last: float) -> FreeFlying:
+        pulses = [Pulse("t1", first, last, 0.5), Pulse("t4", first, 0.5, 0.5)]
+        start = standing(REST, LOCKED)
+        return fly(robot, start=start, pulses=pulses, **options)
+
+    exact, beside = (
+        flown(T[2], T[7]),
+        flown(np.nextafter(T[2], 1), np.nextafter(T[7], 0)),
+    )
+    np.testing.assert_allclose(beside.r_S, exact.r_S, rtol=0, atol=1e-12)
 
 
 def test_tolerance_is_kept():

@@ -34,8 +34,10 @@ from orbident.estimation.output_error.recorded_thrust import (
     SHARED,
     RecordedThrust,
     ThrustErrors,
+    evenly,
 )
 from orbident.estimation.output_error.shooting import Intervals, with_middles
+from orbident.estimation.solution import Unknowns
 from orbident.estimation.unknowns import Unknown
 from orbident.model.kinematics import first_moments
 from orbident.model.minimal_sets import MinimalSets
@@ -313,6 +315,12 @@ class Acting:
         if not table.size:
             return None
         return OutsideMomentum(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
+
+    def evenly(
+        self, at: Unknowns, g: Float[np.ndarray, " common"]
+    ) -> Float[np.ndarray, " common"]:
+        """A step from a state, along which what the motion shows of thrust is kept."""
+        return evenly(at, g, self.first, self.followed.samples.wrenches)
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""

@@ -24,6 +24,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.environment.motion import Effect, RobotMotion, by_step
+from orbident.estimation.solution import OUTSIDE, Unknowns
 from orbident.files.bounds import TOGETHER
 from orbident.preprocessing.wrenches import RecordedWrench
 
@@ -43,6 +44,7 @@ class ThrustErrors(NamedTuple):
 
 
 SHARED = len(ThrustErrors._fields)
+SCALE = ThrustErrors._fields.index("scale")
 
 TINY = 1e-9
 """Part of its thrust that no thruster is open by."""
@@ -148,6 +150,40 @@ class RecordedThrust:
         order = np.argsort(t, kind="stable")
         opened = self.u[:1] + np.cumsum(change[order], axis=0)
         return _Switched(t[order], opened, falls[order])
+
+
+def evenly(
+    at: Unknowns,
+    g: Float[np.ndarray, " common"],
+    first: int,
+    wrenches: Sequence[RecordedWrench],
+) -> Float[np.ndarray, " common"]:
+    """A step to first order as it is, that changes ratios to the mass along a line.
+
+    Of unknown mass and thrust the motion shows the ratio alone, which a long step must
+    not change: with `x` a momentum, an inertia or `t = (1 + s)(1 + g_k)`,
+
+        (x + dx') / (M + dM) = x / M + (dx - x dM / M) / M.
+
+    Args:
+        at: where the step starts.
+        g: the step.
+        first: the place of the clock among what is selected.
+        wrenches: what was recorded to act.
+    """
+    place = {int(x) - first: k for k, x in enumerate(at.selected)}
+    if SCALE not in place:
+        return g
+    more, own = g[OUTSIDE] / at.beta[0], g.size - len(place)
+    valves = [own + place[SHARED + k] for k, each in enumerate(wrenches) if each.valve]
+    moved, scale = g.copy(), own + place[SCALE]
+    same = [0, 1, 2, *range(OUTSIDE + 1, own)]
+    moved[same] += more * (g[same] - more * at.common[same])
+    s, gains = 1 + at.common[scale], 1 + at.common[valves]
+    change = s * g[valves] + gains * g[scale]
+    change += more * (change - more * s * gains)
+    moved[valves] = (s * gains + change) / (s + g[scale]) - gains
+    return moved
 
 
 class _Switched(NamedTuple):

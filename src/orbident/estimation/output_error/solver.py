@@ -85,7 +85,7 @@ def solved(
         here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
         g = _damped(factor, damping)
-        moved = state.moved(here.step(g), g)
+        moved = state.moved(here.step(g), problem.acting.evenly(state, g))
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
         # What hardly anything shows moves in steps without damping alone.
@@ -146,9 +146,8 @@ def _corrected(
     while cost <= new_cost < FALLS * last:
         last, at = new_cost, there.at
         g = _damped(prior.added(there.common, at), damping)
-        there, new_cost = equations_at(
-            problem, weights, prior, at.moved(there.step(g), g)
-        )
+        moved = at.moved(there.step(g), problem.acting.evenly(at, g))
+        there, new_cost = equations_at(problem, weights, prior, moved)
     return there, new_cost
 
 

@@ -1,0 +1,60 @@
+"""A long step keeps what a motion shows of thrust: ratios to the mass."""
+
+import numpy as np
+import pytest
+
+from orbident.estimation.output_error.recorded_thrust import SCALE, SHARED, evenly
+from orbident.estimation.solution import OUTSIDE, Unknowns
+from orbident.preprocessing.wrenches import RecordedWrench
+
+FIRST = 40
+"""The place of the clock."""
+
+NOTHING = np.zeros((1, 3))
+
+VALVES = [
+    RecordedWrench(f"thruster.t{k}", 0.2, NOTHING, NOTHING, NOTHING, True)
+    for k in range(3)
+]
+
+
+def state(random: np.random.Generator, places: np.ndarray) -> Unknowns:
+    """Four base parameters, all of one size."""
+    common = np.concatenate(
+        [
+            random.standard_normal(OUTSIDE),
+            random.uniform(1, 2, 4),
+            0.3 * random.standard_normal(places.size),
+        ]
+    )
+    return Unknowns(np.zeros((0, 4)), np.zeros((0, 9)), common, places)
+
+
+def ratios(at: Unknowns) -> np.ndarray:
+    """Momentum, first moments, inertias and thrusts over the mass."""
+    own = dict(zip(at.selected - FIRST, at.calibration, strict=True))
+    thrusts = [(1 + own[SCALE]) * (1 + own[SHARED + k]) for k in range(3)]
+    return np.concatenate([at.common[:3], at.beta[1:], thrusts]) / at.beta[0]
+
+
+def stepped(at: Unknowns, g: np.ndarray) -> Unknowns:
+    return at._replace(common=at.common + evenly(at, g, FIRST, VALVES))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_ratios_change_by_their_slope(seed):
+    random = np.random.default_rng(seed)
+    at = state(random, FIRST + np.arange(-1.0, SHARED + 3))
+    g = 0.1 * random.standard_normal(at.common.size)
+    tiny, whole = stepped(at, 1e-6 * g), stepped(at, g)
+    slope = 1e6 * (ratios(tiny) - ratios(at))
+    # A difference of numbers of size one, over a millionth of the step.
+    np.testing.assert_allclose(ratios(whole) - ratios(at), slope, atol=1e-8)
+    np.testing.assert_allclose(tiny.common, at.common + 1e-6 * g, atol=1e-11)
+
+
+def test_where_the_scale_is_no_unknown_a_step_is_as_it_is():
+    random = np.random.default_rng(1)
+    at = state(random, FIRST + np.array([0.0, SHARED, SHARED + 1, SHARED + 2]))
+    g = random.standard_normal(at.common.size)
+    assert evenly(at, g, FIRST, VALVES) is g
