@@ -232,8 +232,8 @@ def wheels(flights: DemoFlights) -> str:
     frame = Frame((float(x[0]), -0.6), (float(x[-1]), 1.4), 350.0)
     title = "What wheels' speed is worth, and what it cannot buy"
     about = "Least deviations of the mass: " + "; ".join(
-        f"{speed:.0f} rad/s: {usual:.2f} kg as usual, {exact:.2f} kg by noise and drift alone"
-        for speed, usual, exact in zip(
+        f"{speed:.0f} rad/s: {usual:.2f} kg as usual, {noise:.2f} kg by noise and drift"
+        for speed, usual, noise in zip(
             SPEEDS, found["cad"], found["found"], strict=True
         )
     )
