@@ -3,21 +3,20 @@
     python docs/make_pictures.py
 
 `demo.svg` moves: a robot as measured, as CAD predicts it and as the identified model
-does. `forest.svg` has the parameters with their intervals, CAD and the truth.
+does. The others are charts: `picture_charts.py`.
 """
 
-from collections.abc import Iterable, Sequence
-from html import escape
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from drawing import WIDTH, line, path, picture, words
 from jaxtyping import Float
+from picture_charts import budget, forest, recursion, wheels
 
 from orbident.estimation.identify import identify
-from orbident.estimation.quantities import most_different
 from orbident.estimation.result import Result
-from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS
@@ -31,31 +30,6 @@ from orbident.scene.scene import Scene, scene_of
 from orbident.studies.demo import DemoFlights, fly_demo, turned_off, with_cad_values
 
 FOLDER = Path(__file__).parent / "pictures"
-
-STYLE = """
-.card { fill: #ffffff; stroke: #d0d7de }
-text { font: 20px system-ui, sans-serif; fill: #1f2328 }
-.small { font-size: 18px }
-.right { text-anchor: end } .middle { text-anchor: middle }
-.grid { stroke: #d0d7de; fill: none }
-.seen { stroke: #57606a; fill: none } .face { fill: #57606a; fill-opacity: .13 }
-.found { stroke: #0a7d33; fill: none } .dot { fill: #0a7d33 }
-.cad { stroke: #cf222e; fill: none; stroke-dasharray: 7 4 }
-.true { stroke: #1f2328; fill: none }
-text.found { fill: #0a7d33; stroke: none } text.cad { fill: #cf222e; stroke: none }
-@media (prefers-color-scheme: dark) {
-.card { fill: #0d1117; stroke: #30363d } .grid { stroke: #30363d }
-text { fill: #e6edf3 } .true { stroke: #e6edf3 }
-.seen { stroke: #9aa4af } .face { fill: #9aa4af }
-.found { stroke: #3fb950 } .dot, text.found { fill: #3fb950 }
-.cad { stroke: #ff7b72 } text.cad { fill: #ff7b72 }
-}
-"""
-"""Contrasts of text are above 4.5 to 1, on both cards."""
-
-WIDTH = 760
-SHOWN = 9
-"""Parameters, as on the first screen of `identify`."""
 
 STEPS = 80
 """Pictures of the motion: joints turn by 20 degrees at most from one to the next."""
@@ -71,39 +45,13 @@ def pictures() -> dict[str, str]:
     """Every picture by the name of its file."""
     flights = fly_demo()
     result = identify(flights.robot, flights.first)
-    return {"demo.svg": moving(flights, result), "forest.svg": forest(flights, result)}
-
-
-def picture(height: float, title: str, about: str, parts: Iterable[str]) -> str:
-    """An SVG that is right in light and dark, and says what it shows."""
-    return "\n".join(
-        [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:g}" '
-            'role="img" aria-labelledby="title about">',
-            f'<title id="title">{escape(title)}</title>',
-            f'<desc id="about">{escape(about)}</desc>',
-            f"<style>{STYLE}</style>",
-            f'<rect class="card" x="0.5" y="0.5" width="{WIDTH - 1}" '
-            f'height="{height - 1:g}" rx="8"/>',
-            *parts,
-            "</svg>\n",
-        ]
-    )
-
-
-def words(x: float, y: float, text: str, kind: str = "") -> str:
-    """Text at a place."""
-    return f'<text x="{x:g}" y="{y:g}" class="{kind}">{escape(text)}</text>'
-
-
-def line(points: Float[np.ndarray, "n 2"], kind: str, width: float = 1.0) -> str:
-    """A line through points."""
-    return f'<path d="{path(points)}" class="{kind}" stroke-width="{width:g}"/>'
-
-
-def path(points: Float[np.ndarray, "n 2"]) -> str:
-    """The points as an SVG path, to a tenth of a pixel."""
-    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
+    return {
+        "demo.svg": moving(flights, result),
+        "forest.svg": forest(flights, result),
+        "budget.svg": budget(result),
+        "recursion.svg": recursion(flights),
+        "wheels.svg": wheels(flights),
+    }
 
 
 def animated(attribute: str, values: Sequence[str]) -> str:
@@ -261,91 +209,6 @@ def strip(
         f'x2="{ticks[-1]}">{animated("x1", ticks)}{animated("x2", ticks)}</line>'
     )
     return parts
-
-
-class Scale(NamedTuple):
-    """A horizontal axis, in percent."""
-
-    low: float
-    high: float
-    left: float
-    right: float
-
-    @classmethod
-    def of(cls, x: np.ndarray, step: float, left: float, right: float) -> "Scale":
-        """From one multiple of a step to another, with all of these between them."""
-        low, high = np.floor(x.min() / step), np.ceil(x.max() / step)
-        return cls(step * low, step * high, left, right)
-
-    def at(self, x: float) -> float:
-        """Where a number is seen."""
-        share = (x - self.low) / (self.high - self.low)
-        return self.left + (self.right - self.left) * share
-
-    def drawn(self, top: float, bottom: float) -> Iterable[str]:
-        """The axis: its ends and zero, with a line at each."""
-        for x in sorted({self.low, 0.0, self.high}):
-            ends = np.array([[self.at(x), top], [self.at(x), bottom]])
-            yield line(ends, "grid")
-            yield words(
-                self.at(x), bottom + 22, f"{x:+g} %" if x else "0", "small middle"
-            )
-
-
-LONGEST = 26
-"""Characters of a name that stand beside the axis."""
-
-
-def _short(formula: str) -> str:
-    """The first terms of a sum, as many as there is room for."""
-    terms = formula.split(" + ")
-    for k in range(len(terms), 1, -1):
-        text = " + ".join([*terms[:k], *["…"] * (k < len(terms))])
-        if len(text) <= LONGEST:
-            return text
-    return " + ".join([terms[0], *["…"] * (len(terms) > 1)])
-
-
-def forest(flights: DemoFlights, result: Result) -> str:
-    """Estimates and their intervals, beside CAD and, closer, beside the truth."""
-    base, rows = result.base, most_different(result.base, SHOWN)
-    percent = 100 / base.nominal[rows]
-    off = percent * (base.values[rows] - base.nominal[rows])
-    half = np.abs(percent) * NINETY_FIVE * base.std[rows]
-    true = percent * (flights.true_base()[rows] - base.values[rows])
-    top, high = 86.0, 30.0
-    bottom = top + high * len(rows) - 8
-    wide = Scale.of(np.append(off, 0.0), 10.0, 290.0, 500.0)
-    near = Scale.of(np.concatenate([half, -half, true]), 0.1, 570.0, 710.0)
-    title = "What one flight says, beside CAD and the truth"
-    parts = [
-        words(20, 32, title),
-        words(wide.at(0.0), 62, "CAD", "small cad middle"),
-        words(20, 62, "95 % intervals", "small found"),
-        words(near.at(0.0), 62, "closer: the truth", "small middle"),
-        *wide.drawn(70, bottom),
-        *near.drawn(70, bottom),
-        line(np.array([[wide.at(0.0), 70], [wide.at(0.0), bottom]]), "cad", 2.0),
-    ]
-    said = []
-    for k, row in enumerate(rows):
-        y, name = top + high * k, base.names[row]
-        what = "total mass" if name == "M" else _short(base.formulas[row])
-        said.append(
-            f"{what}: {off[k]:+.1f} % from CAD, {true[k]:+.2f} % from the truth"
-        )
-        parts.append(words(20, y + 5, what, "small"))
-        for scale, at in ((wide, off[k]), (near, 0.0)):
-            ends = [[scale.at(at - half[k]), y], [scale.at(at + half[k]), y]]
-            parts.append(line(np.array(ends), "found", 3.0))
-            parts.append(
-                f'<circle class="dot" cx="{scale.at(at):.1f}" cy="{y:g}" r="4"/>'
-            )
-        for way in (-5.0, 5.0):
-            place = near.at(true[k])
-            ends = np.array([[place - 5, y - way], [place + 5, y + way]])
-            parts.append(line(ends, "true", 2.0))
-    return picture(bottom + 40, title, "; ".join(said) + ".", parts)
 
 
 def main() -> None:
