@@ -4,6 +4,7 @@ The motion is a recorded one, beside it the one that an identified model predict
 that of a free-floating base that answers when joints are moved by hand.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -110,12 +111,29 @@ def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMoment
     return found
 
 
+def with_resting_cm(scene: Scene, motion: MotionHistory, inertia: Robot) -> FramePoses:
+    """Every frame of the scene, where the CM stays where it is at the first time.
+
+    Wheels are held: from one time to the next they may turn too far for an eye to see.
+
+    Args:
+        scene: of the robot.
+        motion: of it.
+        inertia: the robot with the inertia that says where the CM is.
+    """
+    r_cm = centroidal_momentum(inertia, motion).r_cm
+    at = placed(scene, motion, np.zeros_like(motion.qd_rw))
+    return at._replace(p=at.p - (r_cm - r_cm[0])[:, None])
+
+
 class Replay(NamedTuple):
     """Motions at the same times; what was not measured is derived."""
 
     measured: MotionHistory
     predicted: MotionHistory | None
     """None without a model, or where it cannot predict."""
+    by_cad: MotionHistory | None
+    """As CAD predicts; None where that was not asked for, and as above."""
     model: Robot | None
     """The robot with the inertia that momentum is computed with; None as above."""
     velocity_known: bool
@@ -138,7 +156,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Replay:
             "wheels, gyro and attitude all measured, twice at least"
         )
     motion = _measured(robot, recording, t, measured)
-    return Replay(motion, None, robot, bool(measured.moving.any()), ())
+    return Replay(motion, None, None, robot, bool(measured.moving.any()), ())
 
 
 def predicted_motion(result: Result, recording: Recording) -> Replay:
@@ -163,7 +181,30 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
         x_WB=prediction.x_WB, w=prediction.w, v_S=prediction.v_S
     )
     r_S = motion.r_S[0] + _integral(t, prediction.v_S)
-    return Replay(motion, predicted._replace(r_S=r_S), model, known, ())
+    return Replay(motion, predicted._replace(r_S=r_S), None, model, known, ())
+
+
+def with_cad_values(result: Result) -> Result:
+    """The same as if CAD were right: what it predicts is CAD's prediction."""
+    sets = {name: getattr(result, name) for name in ("base", "pi", "phi")}
+    return replace(
+        result, **{name: replace(x, values=x.nominal) for name, x in sets.items()}
+    )
+
+
+def compared_motions(result: Result, recording: Recording) -> Replay:
+    """What was measured, and what the identified model and CAD make of the same joints.
+
+    Raises:
+        InputError: as `recorded_motion`.
+    """
+    replay = predicted_motion(result, recording)
+    if replay.predicted is None:
+        return replay
+    cad = predicted_motion(with_cad_values(result), recording)
+    return replay._replace(
+        by_cad=cad.predicted, warnings=tuple(f"CAD: {each}" for each in cad.warnings)
+    )
 
 
 def _integral(

@@ -86,6 +86,20 @@ def test_scrubbing_and_hiding(server: Any, replay):
     assert np.allclose(moved, r_cm[300] - r_cm[0], atol=1e-12)
 
 
+def test_ghosts_are_where_they_were_predicted_and_can_be_hidden(server: Any, replay):
+    up = np.array([0.0, 0.0, 0.2])
+    moved = replay.measured._replace(r_S=replay.measured.r_S + up)
+    ghosts = replay._replace(predicted=replay.measured, by_cad=moved)
+    page = ReplayPage(server, scene_of(load_robot(ROBOT)), ghosts, "title")
+    off = at(server, "/cad/1") - at(server, "/robot/1")
+    assert np.allclose(off, up, atol=1e-12)
+    assert np.allclose(at(server, "/predicted/1"), at(server, "/robot/1"), atol=1e-12)
+    control(server, "CAD").value = False
+    page.advance(0.03)
+    assert not server.scene.get_handle_by_name("/cad").visible
+    assert server.scene.get_handle_by_name("/predicted").visible
+
+
 def test_the_arrows_are_the_momentum(server: Any, replay):
     robot = load_robot(ROBOT)
     page = ReplayPage(server, scene_of(robot), replay, "title")
