@@ -91,6 +91,39 @@ def placed(
     return FramePoses(R_WB @ R, motion.r_S[:, None] + rotate(R_WB, p))
 
 
+class InertiaEllipsoids(NamedTuple):
+    """Ellipsoids of even density, in the inertial frame."""
+
+    R: Float[np.ndarray, "n 3 3"]
+    """Their axes, as columns."""
+    r_cm: Float[np.ndarray, "n 3"]
+    """m."""
+    lengths: Float[np.ndarray, "n 3"]
+    """Half of their axes, m."""
+
+
+def inertia_ellipsoids(robot: Robot, motion: MotionHistory) -> InertiaEllipsoids:
+    """The ellipsoids with the system's mass, CM and inertia, joints held.
+
+    Moments about their axes are `I_1 = M/5 (a_2^2 + a_3^2)`, and so on; those of the
+    system are of `D` (Eq. 3), which is identified while its bodies' inertia is not.
+
+    Args:
+        robot: its `theta` decides.
+        motion: joints, attitude and place.
+    """
+    at, R_WB = inertia(robot, motion.q), quaternion_matrix(motion.x_WB)
+    moments, R = np.linalg.eigh(at.D)
+    # For a rotation: eigenvectors may be left-handed.
+    R[..., 0] *= np.linalg.det(R)[:, None]
+    squares = 2.5 / robot.mass * (moments.sum(axis=1, keepdims=True) - 2 * moments)
+    return InertiaEllipsoids(
+        R_WB @ R,
+        motion.r_S + rotate(R_WB, at.r_cm),
+        np.sqrt(np.maximum(squares, 0.0)),
+    )
+
+
 def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMomentum:
     """The CM and the momentum of a robot with the inertia of `robot.theta`.
 

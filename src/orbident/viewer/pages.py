@@ -20,6 +20,7 @@ from orbident.scene.replay import (
     MotionHistory,
     Replay,
     centroidal_momentum,
+    inertia_ellipsoids,
     placed,
     reaction,
 )
@@ -27,7 +28,15 @@ from orbident.scene.scene import Scene
 from orbident.scene.shapes import CAD, IDENTIFIED
 from orbident.scene.shown import to_be_shown
 from orbident.viewer.server import Page
-from orbident.viewer.stage import TOTAL, Arrows, DrawnRobot, Floor, Plot, heading
+from orbident.viewer.stage import (
+    TOTAL,
+    Arrows,
+    DrawnRobot,
+    Ellipsoid,
+    Floor,
+    Plot,
+    heading,
+)
 
 FREE = np.pi
 """How far a slider goes where the joint has no stops, rad or m."""
@@ -175,6 +184,7 @@ class ReplayPage:
             self._origins = found.r_cm
         self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
         self._arrows = found and Arrows(server, found, self._stage.size)
+        self._ellipsoids = _ellipsoids(server, scene, replay, measured)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
         self._add_controls(server)
@@ -201,6 +211,13 @@ class ReplayPage:
         )
         if self._arrows:
             gui.add_html(self._arrows.legend())
+        self._inertia = gui.add_checkbox(
+            "Inertia",
+            False,
+            hint="Ellipsoids of even density with the system's mass, CM and inertia: "
+            "blue as identified, red by CAD",
+            visible=bool(self._ellipsoids),
+        )
 
     def _toggle(self) -> None:
         self._playing = not self._playing
@@ -218,7 +235,7 @@ class ReplayPage:
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
                 self._toggle()
-        boxes = self._follow, self._vectors, *self._ghosts
+        boxes = self._follow, self._vectors, self._inertia, *self._ghosts
         wanted = self._time.value, *(box.value for box in boxes)
         if wanted != self._shown:
             self._show(*wanted)
@@ -235,7 +252,9 @@ class ReplayPage:
         chosen = self._speed.value
         return float(chosen) if chosen in SPEEDS else 1.0
 
-    def _show(self, t: float, follow: bool, vectors: bool, *ghosts: bool) -> None:
+    def _show(
+        self, t: float, follow: bool, vectors: bool, inertia: bool, *ghosts: bool
+    ) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
         origin = self._origins[k if follow else 0]
         self._stage.move_to(origin)
@@ -246,6 +265,24 @@ class ReplayPage:
         if self._arrows:
             self._arrows.move_to(k, origin)
             self._arrows.show(vectors)
+        for ellipsoid in self._ellipsoids:
+            ellipsoid.move_to(k, origin)
+            ellipsoid.show(inertia)
+
+
+def _ellipsoids(
+    server: Any, scene: Scene, replay: Replay, measured: MotionHistory
+) -> list[Ellipsoid]:
+    """By CAD, and as identified; of a robot on a table only one moment shows."""
+    if scene.robot.motion == "planar":
+        return []
+    models = [("/inertia/cad", scene.robot, CAD)]
+    if replay.predicted and replay.model:
+        models.append(("/inertia/identified", replay.model, IDENTIFIED))
+    return [
+        Ellipsoid(server, name, inertia_ellipsoids(model, measured), colour)
+        for name, model, colour in models
+    ]
 
 
 def slow_motion(motion: MotionHistory) -> float:

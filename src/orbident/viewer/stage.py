@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.scene.replay import CentroidalMomentum
+from orbident.scene.replay import CentroidalMomentum, InertiaEllipsoids
 from orbident.scene.scene import Scene
 from orbident.scene.shapes import FAINT, Colour
 
@@ -124,6 +124,39 @@ class DrawnRobot:
     def show(self, visible: bool) -> None:
         """Or hide."""
         self._root.visible = visible
+
+
+class Ellipsoid:
+    """The system's inertia, as an ellipsoid of even density; hidden at first."""
+
+    def __init__(
+        self, server: Any, name: str, inertia: InertiaEllipsoids, colour: Colour
+    ):
+        """Draw a ball of radius 1, which is stretched.
+
+        Args:
+            server: viser's.
+            name: of the node, unlike every other one's.
+            inertia: over time, inertial frame.
+            colour: of it; it is transparent.
+        """
+        self._inertia = inertia
+        self._x = Rotation.from_matrix(inertia.R).as_quat(scalar_first=True)
+        self._ball = server.scene.add_icosphere(
+            name, color=colour, opacity=FAINT, visible=False
+        )
+
+    def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
+        """As at the time `k`, seen from `origin`."""
+        self._ball.wxyz, self._ball.position = (
+            self._x[k],
+            self._inertia.r_cm[k] - origin,
+        )
+        self._ball.scale = tuple(self._inertia.lengths[k].tolist())
+
+    def show(self, visible: bool) -> None:
+        """Or hide."""
+        self._ball.visible = visible
 
 
 LONGEST = 1.1
