@@ -34,8 +34,8 @@ BELOW = 0.83
 """The part of the height that the robot has, below words."""
 FINER = 2
 """Drawn so many times larger, and averaged: edges of neighbours leave no gaps."""
-MOST_VERTICES = 2000
-"""Most vertices of a shape, for a clip in some seconds; of a finer one, its box."""
+MOST_VERTICES = 5000
+"""Of a robot, for a clip in half a minute; the finest shapes are shown as boxes."""
 AMBIENT = 0.55
 """Light on a face that is seen edge-on, of that on one that faces the eye."""
 
@@ -106,7 +106,9 @@ class _Stage:
     """What is drawn, and the drawing that is used for one frame after another."""
 
     def __init__(self, scene: Scene, replay: Replay) -> None:
-        shapes = [coarse(shape, MOST_VERTICES) for shape in scene.shapes]
+        sizes = np.sort([len(shape.vertices) for shape in scene.shapes])
+        most = int(sizes[np.cumsum(sizes) <= MOST_VERTICES].max(initial=0))
+        shapes = [coarse(shape, most) for shape in scene.shapes]
         reach = max(float(np.abs(shape.vertices).max()) for shape in shapes) or 1.0
         self._faces = [
             reach * split(s.vertices[s.faces] / reach, FINEST) for s in shapes

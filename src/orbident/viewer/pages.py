@@ -209,8 +209,6 @@ class ReplayPage:
         self._vectors = gui.add_checkbox(
             "Momentum", True, visible=self._arrows is not None
         )
-        if self._arrows:
-            gui.add_html(self._arrows.legend())
         self._inertia = gui.add_checkbox(
             "Inertia",
             False,
@@ -218,6 +216,8 @@ class ReplayPage:
             "blue as identified, red by CAD",
             visible=bool(self._ellipsoids),
         )
+        if self._arrows:
+            gui.add_html(self._arrows.legend())
 
     def _toggle(self) -> None:
         self._playing = not self._playing
