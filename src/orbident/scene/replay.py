@@ -12,9 +12,10 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.identified.prediction import predict
+from orbident.identified.prediction import Prediction, predict
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import JointState, inertia, poses
+from orbident.model.regularity import check_regular
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
@@ -207,14 +208,16 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
     except InputError as error:
         alone = recorded_motion(result.robot, recording)
         return alone._replace(model=None, warnings=(f"no prediction: {error}",))
-    measured, t = prediction.measured, prediction.t
-    motion = _measured(model, recording, t, measured)
-    known = bool(measured.moving.any())
-    predicted = motion._replace(
-        x_WB=prediction.x_WB, w=prediction.w, v_S=prediction.v_S
-    )
-    r_S = motion.r_S[0] + _integral(t, prediction.v_S)
-    return Replay(motion, predicted._replace(r_S=r_S), None, model, known, ())
+    motion = _measured(model, recording, prediction.t, prediction.measured)
+    known = bool(prediction.measured.moving.any())
+    return Replay(motion, _predicted(motion, prediction), None, model, known, ())
+
+
+def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory:
+    """The predicted motion, from where the measured one begins."""
+    x_WB, w, v_S = prediction.x_WB, prediction.w, prediction.v_S
+    r_S = measured.r_S[0] + _integral(prediction.t, v_S)
+    return measured._replace(x_WB=x_WB, w=w, r_S=r_S, v_S=v_S)
 
 
 def with_cad_values(result: Result) -> Result:
@@ -234,10 +237,15 @@ def compared_motions(result: Result, recording: Recording) -> Replay:
     replay = predicted_motion(result, recording)
     if replay.predicted is None:
         return replay
-    cad = predicted_motion(with_cad_values(result), recording)
-    return replay._replace(
-        by_cad=cad.predicted, warnings=tuple(f"CAD: {each}" for each in cad.warnings)
-    )
+    robot = result.robot
+    recording = cleaned(robot, recording, Settings()).recording
+    try:
+        check_regular(robot)
+        prediction = predict(with_cad_values(result), recording)
+    except InputError as error:
+        return replay._replace(warnings=(f"no prediction by CAD: {error}",))
+    motion = _measured(robot, recording, prediction.t, prediction.measured)
+    return replay._replace(by_cad=_predicted(motion, prediction))
 
 
 def _integral(

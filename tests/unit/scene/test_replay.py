@@ -108,6 +108,16 @@ def test_cad_goes_elsewhere_unless_it_is_right(robot, flight: Recording):
     # Joints turn by a radian, and the base answers with two thirds of what CAD says.
     assert np.abs(replay.by_cad.x_WB - replay.measured.x_WB).max() > 1e-2
 
+    # What cannot exist does not predict.
+    theta[0] = -robot.theta[0]
+    wrong = replace(robot, theta=theta)
+    impossible = compared_motions(
+        identify(wrong, flight, method="least-squares"), flight
+    )
+    assert impossible.by_cad is None
+    assert impossible.predicted is not None
+    assert impossible.warnings[0].startswith("no prediction by CAD: ")
+
     blind = compared_motions(replace(found, checks=(REFUSED,)), other)
     assert blind.by_cad is blind.predicted is None
 
