@@ -40,7 +40,7 @@ AMBIENT = 0.55
 """Light on a face that is seen edge-on, of that on one that faces the eye."""
 
 
-FINEST = 0.3
+FINEST = 0.2
 """No edge is longer than this part of the largest shape: a face is near or far as a
 whole."""
 
