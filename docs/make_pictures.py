@@ -22,12 +22,12 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS
 from orbident.scene.replay import (
     MotionHistory,
-    centroidal_momentum,
-    placed,
     predicted_motion,
+    with_cad_values,
+    with_resting_cm,
 )
-from orbident.scene.scene import Scene, scene_of
-from orbident.studies.demo import DemoFlights, fly_demo, turned_off, with_cad_values
+from orbident.scene.scene import Scene, scene_of, view_axes
+from orbident.studies.demo import DemoFlights, fly_demo, turned_off
 
 FOLDER = Path(__file__).parent / "pictures"
 
@@ -86,16 +86,13 @@ def outline(scene: Scene, motion: MotionHistory, inertia: Robot) -> Outline:
         motion: of it.
         inertia: the robot with the inertia that says where the CM is.
     """
-    r_cm = centroidal_momentum(inertia, motion).r_cm
-    # All begin at one place, with their CMs where they say.
-    about = r_cm - r_cm[0]
-    frames = placed(scene, motion, np.zeros_like(motion.qd_rw))
+    frames = with_resting_cm(scene, motion, inertia)
     base = np.vstack([shape.vertices for shape in scene.shapes if shape.frame == 0])
     ends = np.array([base.min(axis=0), base.max(axis=0)])
     corners = [
         ends[[x, y, z], range(3)] for x in (0, 1) for y in (0, 1) for z in (0, 1)
     ]
-    p = frames.p - about[:, None]
+    p = frames.p
     at = p[:, :1] + np.array(corners) @ frames.R[:, 0].mT
     last = scene.robot.theta[-1]
     # The last link ends as far behind its CM as that is from its joint.
@@ -152,10 +149,8 @@ class View(NamedTuple):
     @classmethod
     def of(cls, points: Sequence[np.ndarray]) -> "View":
         """In which all of these points are seen, as large as can be."""
-        out = EYE / np.linalg.norm(EYE)
-        right = np.cross([0.0, 0.0, 1.0], out)
-        right /= np.linalg.norm(right)
-        axes = np.column_stack([right, -np.cross(out, right)])
+        # Down in an SVG.
+        axes = view_axes(EYE)[:, :2] * [1, -1]
         flat = np.vstack([p.reshape(-1, 3) @ axes for p in points])
         low, high = flat.min(axis=0), flat.max(axis=0)
         room = np.array([[20.0, 40.0], [WIDTH - 20.0, 400.0]])

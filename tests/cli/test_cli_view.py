@@ -4,7 +4,10 @@ import socket
 from pathlib import Path
 
 import pytest
-from running import Orbident
+from PIL import Image
+from running import Orbident, written
+
+from orbident.recordings.recording import Recording
 
 
 @pytest.mark.parametrize(
@@ -33,3 +36,32 @@ def test_a_broken_run(orbident: Orbident):
     Path("run").mkdir()
     Path("run/result.json").write_text("{")
     orbident("view", "run").refused("run/result.json: is not JSON")
+
+
+def test_a_clip(orbident: Orbident, flight: Recording):
+    written(flight, "r.csv", rows=slice(40))
+    draw = ("view", "paper-spatial", "--recording", "r.csv", "--record", "clip.gif")
+    said = orbident(*draw, "--json", "-").json
+    assert said == {"shown": "paper-spatial", "clip": "clip.gif", "frames": 40}
+    with Image.open("clip.gif") as clip:
+        assert clip.n_frames == 40  # pyright: ignore[reportAttributeAccessIssue]
+    before = Path("clip.gif").read_bytes()
+    orbident(*draw).refused("clip.gif: exists already", "--force")
+    # The same data give the same file.
+    ran = orbident(*draw, "--force").done()
+    assert ran.out == "written: clip.gif, 40 frames\n"
+    assert Path("clip.gif").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--recording", "r.csv", "--record", "r.mp4"), "a clip ends in .gif"),
+        (("--recording", "r.csv", "--record", "gone/r.gif"), "'gone' does not exist"),
+        (("--recording", "gone.csv", "--record", "r.gif"), "gone.csv: does not exist"),
+        (("--record", "r.gif"), "--record: there is no motion to draw"),
+    ],
+)
+def test_no_clip(orbident: Orbident, arguments: tuple[str, ...], words: str):
+    orbident("view", "paper-spatial", *arguments).refused(words)
+    assert not list(Path().glob("*.gif"))

@@ -130,6 +130,18 @@ def test_view():
     )
 
 
+def test_a_clip_needs_no_viewer():
+    clip = ("view", "paper-spatial", "--record", "clip.gif")
+    ran = without(("matplotlib",), *clip)
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        'orbident: drawing a figure needs matplotlib: pip install "orbident[report]"\n'
+    )
+    ran = without(("viser",), *clip)
+    assert ran.returncode == 2
+    assert ran.stderr.startswith("orbident: --record: there is no motion to draw")
+
+
 @pytest.mark.parametrize(
     ("name", "text", "library", "need"),
     [

@@ -11,8 +11,8 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 298,
-    "lines": 62_106,
+    "files": 300,
+    "lines": 62_574,
     "files of estimation": 48,
     "lines of estimation": 11_530,
     "files with one user": 66,

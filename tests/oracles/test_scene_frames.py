@@ -17,6 +17,7 @@ from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     centroidal_momentum,
+    inertia_ellipsoids,
     placed,
     reaction,
 )
@@ -42,6 +43,24 @@ def random_states(robot: Robot) -> MotionHistory:
     x_WB = np.array([random_quaternion(random) for _ in range(TIMES)])
     qd_rw = random.standard_normal((TIMES, len(robot.wheels)))
     return MotionHistory(np.arange(TIMES, dtype=float), q, qd, x_WB, w, r_S, v_S, qd_rw)
+
+
+def test_ellipsoids_have_the_inertia_of_the_system(robot: Robot):
+    motion = random_states(robot)
+    found = inertia_ellipsoids(robot, motion)
+    theirs = pinocchio_model(robot)
+    data = theirs.model.createData()
+    for k in range(TIMES):
+        q, v = theirs.q(motion.q[k]), theirs.v(motion.w[k], motion.qd[k])
+        q[:7] = [*motion.r_S[k], *motion.x_WB[k]]
+        pin.ccrba(theirs.model, data, q, v)
+        # The mass is that of the system, too.
+        even = pin.Inertia.FromEllipsoid(data.Ig.mass, *found.lengths[k])
+        turned = found.R[k] @ even.inertia @ found.R[k].T
+        assert np.linalg.det(found.R[k]) == pytest.approx(1.0)
+        scale = np.abs(data.Ig.inertia).max()
+        np.testing.assert_allclose(turned, data.Ig.inertia, atol=1e-11 * scale, rtol=0)
+        np.testing.assert_allclose(found.r_cm[k], data.com[0], atol=ROUNDING * 10)
 
 
 def test_frames_cm_and_momentum(robot: Robot):

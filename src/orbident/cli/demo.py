@@ -38,6 +38,7 @@ def demo(
     from orbident.files.replacing import check_free
     from orbident.identified.prediction import predict
     from orbident.identified.run_folder import check_absent
+    from orbident.scene.replay import with_cad_values
     from orbident.studies import demo as study
 
     check_absent(out / RUN, force)
@@ -62,7 +63,7 @@ def demo(
     output.say(*summary(result, None, everything=False))
     if result.status == "rejected":
         raise typer.Exit(1)
-    cad = study.with_cad_values(result)
+    cad = with_cad_values(result)
     away = {"identified": flown.farthest(result), "CAD": flown.farthest(cad)}
     off = {
         name: float(np.degrees(study.turned_off(predict(each, flown.other))[-1]))

@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
+from orbident.cli.options import Force
 from orbident.cli.output import Output, progress
+from orbident.errors import InputError
 
 
 def view(
@@ -37,11 +39,23 @@ def view(
     port: Annotated[
         int, typer.Option(help="Port to listen at; 0 for a free one.", min=0, max=65535)
     ] = 8080,
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="CLIP",
+            help="Draw the replay as a moving picture (.gif) instead; no browser is "
+            "needed.",
+        ),
+    ] = None,
+    force: Force = False,
 ) -> None:
     """Show a robot or a recorded motion in the browser.
 
     Ctrl-C ends it.
     """
+    if record is not None:
+        _recorded(output, shown, recording, record, force)
+        return
     from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared
     from orbident.viewer.server import close, keep_moving, open_server
@@ -64,6 +78,30 @@ def view(
         raise
     finally:
         close(served.server)
+
+
+def _recorded(
+    output: Output, shown: str, recording: Path | None, clip: Path, force: bool
+) -> None:
+    """Write the replay as a moving picture."""
+    from orbident.files.replacing import check_free
+    from orbident.recordings.tables import read_recording
+    from orbident.report.clip import check_clip, write_clip
+    from orbident.scene.shown import to_be_shown
+
+    check_clip(clip)
+    check_free(clip, force)
+    if recording is None:
+        raise InputError(
+            "--record: there is no motion to draw; name a recording with --recording"
+        )
+    with progress("drawing") as done:
+        found = to_be_shown(shown)
+        replay = found.replay(read_recording(recording))
+        frames = write_clip(found.scene, replay, clip, done)
+    output.warn([*found.missing(), *replay.warnings])
+    output.say(f"written: {clip}, {frames} frames")
+    output.write_json({"shown": shown, "clip": str(clip), "frames": frames})
 
 
 def _open_to_the_network(url: str) -> str:

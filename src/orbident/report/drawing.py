@@ -1,4 +1,4 @@
-"""Charts as drawings of matplotlib, and how they are kept; its one import.
+"""Charts as drawings of matplotlib, and how they are kept; its and Pillow's one import.
 
 For notebooks and papers, each chart of a report is a figure.
 """
@@ -35,10 +35,12 @@ from orbident.report.parameter_section import (
 with extra("report", "drawing a figure"):
     from matplotlib import rc_context
     from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure, SubFigure
     from matplotlib.ticker import MultipleLocator
+    from PIL import Image
 
-__all__ = ["Drawing", "drawn", "kept"]
+__all__ = ["Drawing", "Image", "PolyCollection", "drawn", "kept"]
 
 PIXELS = 90.0
 """Pixels of a chart an inch of a drawing."""

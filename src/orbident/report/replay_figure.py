@@ -21,7 +21,7 @@ from orbident.scene.replay import (
     recorded_motion,
 )
 from orbident.scene.scene import Scene, scene_of
-from orbident.scene.shapes import Shape, box
+from orbident.scene.shapes import Shape, coarse
 
 FRAMES = 40
 """Of the animation."""
@@ -39,7 +39,7 @@ def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
     shown = motion.thinned(FRAMES)
     at = placed(scene, shown, np.zeros_like(shown.qd_rw))
     found = centroidal_momentum(scene.robot, shown)
-    shapes = [_plain(shape) for shape in scene.shapes]
+    shapes = [coarse(shape, MOST_VERTICES) for shape in scene.shapes]
     p = at.p - found.r_cm[:, None]
     points = np.concatenate(
         [s.vertices @ at.R[:, s.frame].mT + p[:, s.frame, None] for s in shapes], axis=1
@@ -58,15 +58,6 @@ def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
     ]
     data = [{**_body(shapes), **_at(points[0])}, {**_ARROW, **_arrow(arrows[0])}]
     return {"data": data, "frames": frames, "layout": _layout(shown.t, reach)}
-
-
-def _plain(shape: Shape) -> Shape:
-    """The shape, or the box around it."""
-    if len(shape.vertices) <= MOST_VERTICES:
-        return shape
-    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-    around = box(high - low, shape.colour)
-    return around.moved(shape.frame, np.eye(3), (low + high) / 2)
 
 
 def _body(shapes: list[Shape]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from orbident.extras import extra
+from orbident.files.bounds import LARGEST
 
 MOST_BYTES = 50_000_000
 """A larger file, or unpacked archive, is no picture of a link but a survey of it."""
@@ -93,7 +94,7 @@ def read_mesh(path: Path) -> Mesh | None:
     except Exception:
         # Of any kind: each of its many readers has its own, for what it trips over.
         return None
-    if not len(faces) or not np.isfinite(vertices).all():
+    if not len(faces) or not (np.abs(vertices) <= LARGEST).all():
         return None
     return vertices, faces
 

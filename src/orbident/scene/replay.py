@@ -4,6 +4,7 @@ The motion is a recorded one, beside it the one that an identified model predict
 that of a free-floating base that answers when joints are moved by hand.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,9 +12,10 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.identified.prediction import predict
+from orbident.identified.prediction import Prediction, predict
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import JointState, inertia, poses
+from orbident.model.regularity import check_regular
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
@@ -90,6 +92,39 @@ def placed(
     return FramePoses(R_WB @ R, motion.r_S[:, None] + rotate(R_WB, p))
 
 
+class InertiaEllipsoids(NamedTuple):
+    """Ellipsoids of even density, in the inertial frame."""
+
+    R: Float[np.ndarray, "n 3 3"]
+    """Their axes, as columns."""
+    r_cm: Float[np.ndarray, "n 3"]
+    """m."""
+    lengths: Float[np.ndarray, "n 3"]
+    """Half of their axes, m."""
+
+
+def inertia_ellipsoids(robot: Robot, motion: MotionHistory) -> InertiaEllipsoids:
+    """The ellipsoids with the system's mass, CM and inertia, joints held.
+
+    Moments about their axes are `I_1 = M/5 (a_2^2 + a_3^2)`, and so on; those of the
+    system are of `D` (Eq. 3), which is identified while its bodies' inertia is not.
+
+    Args:
+        robot: its `theta` decides.
+        motion: joints, attitude and place.
+    """
+    at, R_WB = inertia(robot, motion.q), quaternion_matrix(motion.x_WB)
+    moments, R = np.linalg.eigh(at.D)
+    # For a rotation: eigenvectors may be left-handed.
+    R[..., 0] *= np.linalg.det(R)[:, None]
+    squares = 2.5 / robot.mass * (moments.sum(axis=1, keepdims=True) - 2 * moments)
+    return InertiaEllipsoids(
+        R_WB @ R,
+        motion.r_S + rotate(R_WB, at.r_cm),
+        np.sqrt(np.maximum(squares, 0.0)),
+    )
+
+
 def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMomentum:
     """The CM and the momentum of a robot with the inertia of `robot.theta`.
 
@@ -110,12 +145,29 @@ def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMoment
     return found
 
 
+def with_resting_cm(scene: Scene, motion: MotionHistory, inertia: Robot) -> FramePoses:
+    """Every frame of the scene, where the CM stays where it is at the first time.
+
+    Wheels are held: from one time to the next they may turn too far for an eye to see.
+
+    Args:
+        scene: of the robot.
+        motion: of it.
+        inertia: the robot with the inertia that says where the CM is.
+    """
+    r_cm = centroidal_momentum(inertia, motion).r_cm
+    at = placed(scene, motion, np.zeros_like(motion.qd_rw))
+    return at._replace(p=at.p - (r_cm - r_cm[0])[:, None])
+
+
 class Replay(NamedTuple):
     """Motions at the same times; what was not measured is derived."""
 
     measured: MotionHistory
     predicted: MotionHistory | None
     """None without a model, or where it cannot predict."""
+    by_cad: MotionHistory | None
+    """As CAD predicts; None where that was not asked for, and as above."""
     model: Robot | None
     """The robot with the inertia that momentum is computed with; None as above."""
     velocity_known: bool
@@ -138,7 +190,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Replay:
             "wheels, gyro and attitude all measured, twice at least"
         )
     motion = _measured(robot, recording, t, measured)
-    return Replay(motion, None, robot, bool(measured.moving.any()), ())
+    return Replay(motion, None, None, robot, bool(measured.moving.any()), ())
 
 
 def predicted_motion(result: Result, recording: Recording) -> Replay:
@@ -156,14 +208,44 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
     except InputError as error:
         alone = recorded_motion(result.robot, recording)
         return alone._replace(model=None, warnings=(f"no prediction: {error}",))
-    measured, t = prediction.measured, prediction.t
-    motion = _measured(model, recording, t, measured)
-    known = bool(measured.moving.any())
-    predicted = motion._replace(
-        x_WB=prediction.x_WB, w=prediction.w, v_S=prediction.v_S
+    motion = _measured(model, recording, prediction.t, prediction.measured)
+    known = bool(prediction.measured.moving.any())
+    return Replay(motion, _predicted(motion, prediction), None, model, known, ())
+
+
+def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory:
+    """The predicted motion, from where the measured one begins."""
+    x_WB, w, v_S = prediction.x_WB, prediction.w, prediction.v_S
+    r_S = measured.r_S[0] + _integral(prediction.t, v_S)
+    return measured._replace(x_WB=x_WB, w=w, r_S=r_S, v_S=v_S)
+
+
+def with_cad_values(result: Result) -> Result:
+    """The same as if CAD were right: what it predicts is CAD's prediction."""
+    sets = {name: getattr(result, name) for name in ("base", "pi", "phi")}
+    return replace(
+        result, **{name: replace(x, values=x.nominal) for name, x in sets.items()}
     )
-    r_S = motion.r_S[0] + _integral(t, prediction.v_S)
-    return Replay(motion, predicted._replace(r_S=r_S), model, known, ())
+
+
+def compared_motions(result: Result, recording: Recording) -> Replay:
+    """What was measured, and what the identified model and CAD make of the same joints.
+
+    Raises:
+        InputError: as `recorded_motion`.
+    """
+    replay = predicted_motion(result, recording)
+    if replay.predicted is None:
+        return replay
+    robot = result.robot
+    recording = cleaned(robot, recording, Settings()).recording
+    try:
+        check_regular(robot)
+        prediction = predict(with_cad_values(result), recording)
+    except InputError as error:
+        return replay._replace(warnings=(f"no prediction by CAD: {error}",))
+    motion = _measured(robot, recording, prediction.t, prediction.measured)
+    return replay._replace(by_cad=_predicted(motion, prediction))
 
 
 def _integral(

@@ -44,6 +44,19 @@ class Scene:
     refusal: str
     """Why no mesh can be read: the library for it is not installed; else empty."""
 
+    @property
+    def eye(self) -> Float[np.ndarray, "3"]:
+        """Towards the eye, at first; a robot on a table is seen from farther above."""
+        return np.array([0.6, -0.8, 1.0 if self.robot.motion == "planar" else 0.5])
+
+
+def view_axes(eye: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """To the right, up and out of a picture, as columns, where z is up."""
+    out = eye / np.linalg.norm(eye)
+    right = np.cross([0.0, 0.0, 1.0], out)
+    right /= np.linalg.norm(right)
+    return np.column_stack([right, np.cross(out, right), out])
+
 
 def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
     """Shapes from the robot's URDF; made up where it shows nothing.

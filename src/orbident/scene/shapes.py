@@ -4,7 +4,6 @@ They are what a URDF shows of its links, and boxes and rods for bodies that it d
 show.
 """
 
-import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from orbident.extras import MissingLibraryError
+from orbident.files.bounds import LARGEST
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
 from orbident.robot.urdf import rotation_of
@@ -27,6 +27,13 @@ bright)."""
 WHEEL: Colour = (70, 70, 78)
 MARK: Colour = (238, 102, 119)
 """The colour of what shows that a wheel turns."""
+
+IDENTIFIED: Colour = (102, 204, 238)
+"""The colour of the ghost that moves as the identified model predicts,"""
+CAD: Colour = (207, 34, 46)
+"""and of the one that moves as CAD does."""
+FAINT = 0.35
+"""Opacity of a ghost."""
 
 SIDES = 20
 """How many sides a cylinder has that stands for a round one."""
@@ -57,6 +64,15 @@ def box(size: Float[np.ndarray, "3"], colour: Colour) -> Shape:
     sides += [(0, 2, 6, 4), (1, 5, 7, 3)]
     faces = [[a, b, c] for a, b, c, _ in sides] + [[a, c, d] for a, _, c, d in sides]
     return Shape(0, corners * size / 2, np.array(faces), colour)
+
+
+def coarse(shape: Shape, most: int) -> Shape:
+    """The shape, or the box around it where it has more vertices than this."""
+    if len(shape.vertices) <= most:
+        return shape
+    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    around = box(high - low, shape.colour)
+    return around.moved(shape.frame, np.eye(3), (low + high) / 2)
 
 
 def cylinder(radius: float, length: float, colour: Colour) -> Shape:
@@ -292,10 +308,10 @@ def _placed(shape: Shape, origin: ET.Element | None) -> Shape:
 def _numbers(
     text: str | None, count: int, default: float | None = None
 ) -> Float[np.ndarray, " n"]:
-    """The numbers of an attribute; ValueError where they are not as many or not so."""
+    """The numbers of an attribute; ValueError for another count, or for absurd ones."""
     if text is None and default is not None:
         return np.full(count, float(default))
     numbers = [float(word) for word in (text or "").split()]
-    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+    if len(numbers) != count or not all(abs(number) <= LARGEST for number in numbers):
         raise ValueError(text)
     return np.array(numbers)

@@ -80,14 +80,6 @@ def fly_demo(seed: int = 0) -> DemoFlights:
     return DemoFlights(robot, case.robot, case.recording(), again)
 
 
-def with_cad_values(result: Result) -> Result:
-    """The same as if CAD were right: what it predicts is CAD's prediction."""
-    sets = {name: getattr(result, name) for name in ("base", "pi", "phi")}
-    return replace(
-        result, **{name: replace(x, values=x.nominal) for name, x in sets.items()}
-    )
-
-
 def turned_off(prediction: Prediction) -> Float[np.ndarray, " n"]:
     """By what angle the predicted attitude is off the measured one, rad."""
     seen, expected = prediction.measured.x_WB, prediction.x_WB

@@ -1,7 +1,7 @@
 """Pages: joints moved by hand with a base that answers, or a motion that is played.
 
-Beside a motion stands what a model predicted. Which page belongs to what the user
-names is decided here too.
+Beside a motion stand what the identified model and CAD predicted. Which page belongs to
+what the user names is decided here too.
 """
 
 from collections.abc import Callable
@@ -12,27 +12,31 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.errors import InputError
-from orbident.estimation.result import Result
-from orbident.identified.run_folder import load_result
-from orbident.model.regularity import check_regular
 from orbident.model.rotations import UNTURNED
 from orbident.recordings.tables import read_recording
 from orbident.robot.description import Joint, Robot
-from orbident.robot.robot_file import load_robot
 from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     Replay,
     centroidal_momentum,
+    inertia_ellipsoids,
     placed,
-    predicted_motion,
     reaction,
-    recorded_motion,
 )
-from orbident.scene.scene import Scene, scene_of
+from orbident.scene.scene import Scene
+from orbident.scene.shapes import CAD, IDENTIFIED
+from orbident.scene.shown import to_be_shown
 from orbident.viewer.server import Page
-from orbident.viewer.stage import TOTAL, Arrows, DrawnRobot, Floor, Plot, heading
+from orbident.viewer.stage import (
+    TOTAL,
+    Arrows,
+    DrawnRobot,
+    Ellipsoid,
+    Floor,
+    Plot,
+    heading,
+)
 
 FREE = np.pi
 """How far a slider goes where the joint has no stops, rad or m."""
@@ -149,7 +153,7 @@ PLOTS_EVERY = 3
 
 
 class ReplayPage:
-    """The measured robot, the predicted one as a ghost, momentum, and plots."""
+    """The measured robot, the predicted ones as ghosts, momentum, and plots."""
 
     def __init__(self, server: Any, scene: Scene, replay: Replay, title: str):
         """Show the first time.
@@ -167,14 +171,20 @@ class ReplayPage:
         angles = measured.wheel_angles() / slowed
         at = placed(scene, measured, angles)
         self._robots = [(DrawnRobot(server, "/robot", scene), at)]
-        if predicted:
-            ghost = DrawnRobot(server, "/predicted", scene, ghost=True)
-            self._robots.append((ghost, placed(scene, predicted, angles)))
+        by_cad = replay.by_cad and replay.by_cad.thinned(MOST_TIMES)
+        for name, motion, colour in (
+            ("/predicted", predicted, IDENTIFIED),
+            ("/cad", by_cad, CAD),
+        ):
+            if motion:
+                ghost = DrawnRobot(server, name, scene, colour)
+                self._robots.append((ghost, placed(scene, motion, angles)))
         found = centroidal_momentum(replay.model, measured) if replay.model else None
         if found:
             self._origins = found.r_cm
         self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
         self._arrows = found and Arrows(server, found, self._stage.size)
+        self._ellipsoids = _ellipsoids(server, scene, replay, measured)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
         self._add_controls(server)
@@ -194,11 +204,17 @@ class ReplayPage:
         )
         self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value="1")
         self._follow = gui.add_checkbox("Follow", True)
-        self._predicted = gui.add_checkbox(
-            "Predicted", True, visible=len(self._robots) > 1
-        )
+        names = ("Predicted", "CAD")[: len(self._robots) - 1]
+        self._ghosts = [gui.add_checkbox(name, True) for name in names]
         self._vectors = gui.add_checkbox(
             "Momentum", True, visible=self._arrows is not None
+        )
+        self._inertia = gui.add_checkbox(
+            "Inertia",
+            False,
+            hint="Ellipsoids of even density with the system's mass, CM and inertia: "
+            "blue as identified, red by CAD",
+            visible=bool(self._ellipsoids),
         )
         if self._arrows:
             gui.add_html(self._arrows.legend())
@@ -219,7 +235,7 @@ class ReplayPage:
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
                 self._toggle()
-        boxes = self._follow, self._predicted, self._vectors
+        boxes = self._follow, self._vectors, self._inertia, *self._ghosts
         wanted = self._time.value, *(box.value for box in boxes)
         if wanted != self._shown:
             self._show(*wanted)
@@ -236,17 +252,37 @@ class ReplayPage:
         chosen = self._speed.value
         return float(chosen) if chosen in SPEEDS else 1.0
 
-    def _show(self, t: float, follow: bool, predicted: bool, vectors: bool) -> None:
+    def _show(
+        self, t: float, follow: bool, vectors: bool, inertia: bool, *ghosts: bool
+    ) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
         origin = self._origins[k if follow else 0]
         self._stage.move_to(origin)
         for robot, poses in self._robots:
             robot.move_to(poses.R[k], poses.p[k] - origin)
-        for ghost, _ in self._robots[1:]:
-            ghost.show(predicted)
+        for (ghost, _), visible in zip(self._robots[1:], ghosts, strict=True):
+            ghost.show(visible)
         if self._arrows:
             self._arrows.move_to(k, origin)
             self._arrows.show(vectors)
+        for ellipsoid in self._ellipsoids:
+            ellipsoid.move_to(k, origin)
+            ellipsoid.show(inertia)
+
+
+def _ellipsoids(
+    server: Any, scene: Scene, replay: Replay, measured: MotionHistory
+) -> list[Ellipsoid]:
+    """By CAD, and as identified; of a robot on a table only one moment shows."""
+    if scene.robot.motion == "planar":
+        return []
+    models = [("/inertia/cad", scene.robot, CAD)]
+    if replay.predicted and replay.model:
+        models.append(("/inertia/identified", replay.model, IDENTIFIED))
+    return [
+        Ellipsoid(server, name, inertia_ellipsoids(model, measured), colour)
+        for name, model, colour in models
+    ]
 
 
 def slow_motion(motion: MotionHistory) -> float:
@@ -282,11 +318,11 @@ class Prepared(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def prepared(shown: str, recording: Path | None) -> Prepared:
+def prepared(named: str, recording: Path | None) -> Prepared:
     """The page for a robot or a RUN.
 
     Args:
-        shown: a bundled name, a URDF, a robot file, or a RUN folder.
+        named: a bundled name, a URDF, a robot file, or a RUN folder.
         recording: to be replayed; without one the joints have sliders.
 
     Raises:
@@ -294,58 +330,12 @@ def prepared(shown: str, recording: Path | None) -> Prepared:
             needs; without a recording, a RUN does not determine a model, or a
             mass matrix is singular.
     """
-    if Path(shown).is_dir():
-        result = load_result(Path(shown))
-        robot, scene = result.robot, scene_of(result.robot, Path(shown))
-        model = partial(_identified, result, shown)
-        replayed = partial(predicted_motion, result)
-    else:
-        robot = load_robot(shown)
-        scene = scene_of(robot, _folder(shown, robot))
-        model, replayed = partial(_nominal, robot), partial(recorded_motion, robot)
+    shown = to_be_shown(named)
+    name, scene = shown.scene.robot.name, shown.scene
     if recording is None:
-        title = robot.name if shown == robot.name else f"{robot.name}: {shown}"
-        page = partial(SlidersPage, scene=scene, model=model(), title=title)
-        return Prepared(page, _missing(scene))
-    replay = replayed(read_recording(recording))
-    title = f"{robot.name}: {recording}"
-    page = partial(ReplayPage, scene=scene, replay=replay, title=title)
-    return Prepared(page, (*_missing(scene), *replay.warnings))
-
-
-def _nominal(robot: Robot) -> Robot:
-    check_regular(robot)
-    return robot
-
-
-def _identified(result: Result, shown: str) -> Robot:
-    try:
-        return result.dynamics().robot
-    except InputError as error:
-        raise InputError(
-            f"{error}; give --recording to see the measured motion, or "
-            f"{shown}/robot.yaml for the CAD model"
-        ) from error
-
-
-def _folder(shown: str, robot: Robot) -> Path | None:
-    """The folder of the robot's model, where it came from a file."""
-    path = Path(shown)
-    if not path.is_file():
-        return None
-    model = robot.document.get("model") or robot.document.get("urdf") or ""
-    return (path.parent / model).parent
-
-
-def _missing(scene: Scene) -> tuple[str, ...]:
-    if not scene.missing:
-        return ()
-    if scene.refusal:
-        return (f"{scene.refusal}; collision shapes or boxes stand for all meshes",)
-    listed = ", ".join(name.rsplit("/", 1)[-1] for name in scene.missing[:3])
-    more = ", .." * (len(scene.missing) > 3)
-    return (
-        f"{len(scene.missing)} meshes are not there, cannot be read or lie outside "
-        f"the robot's folder and packages ({listed}{more}); collision shapes or boxes "
-        "stand for them",
-    )
+        title = name if named == name else f"{name}: {named}"
+        page = partial(SlidersPage, scene=scene, model=shown.model(), title=title)
+        return Prepared(page, shown.missing())
+    replay = shown.replay(read_recording(recording))
+    page = partial(ReplayPage, scene=scene, replay=replay, title=f"{name}: {recording}")
+    return Prepared(page, (*shown.missing(), *replay.warnings))

@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.scene.replay import CentroidalMomentum
+from orbident.scene.replay import CentroidalMomentum, InertiaEllipsoids
 from orbident.scene.scene import Scene
-from orbident.scene.shapes import Colour
+from orbident.scene.shapes import FAINT, Colour
 
 CELLS = 40
 """Cells of the floor, in each direction."""
@@ -58,7 +58,7 @@ class Floor:
         )
         server.scene.set_up_direction("+z")
         camera = server.initial_camera
-        camera.position = 2.2 * size * np.array([0.6, -0.8, 1.0 if planar else 0.5])
+        camera.position = 2.2 * size * scene.eye
         camera.look_at = np.zeros(3)
 
     def move_to(self, origin: Float[np.ndarray, "3"]) -> None:
@@ -82,22 +82,19 @@ def heading(server: Any, title: str, *lines: str) -> None:
     )
 
 
-GHOST: Colour = (102, 204, 238)
-FAINT = 0.35
-"""Opacity of a ghost."""
-
-
 class DrawnRobot:
     """The frames of a scene, with their shapes; they move as one."""
 
-    def __init__(self, server: Any, name: str, scene: Scene, ghost: bool = False):
+    def __init__(
+        self, server: Any, name: str, scene: Scene, ghost: Colour | None = None
+    ):
         """Draw it, with all frames at the origin.
 
         Args:
             server: viser's.
             name: of the node above all frames, unlike every other one's.
             scene: what to draw.
-            ghost: in one colour, and transparent.
+            ghost: its one colour, if it is to be transparent.
         """
         self._server = server
         self._root = server.scene.add_frame(name, show_axes=False)
@@ -110,7 +107,7 @@ class DrawnRobot:
                 f"{name}/{shape.frame}/{k}",
                 shape.vertices,
                 shape.faces,
-                color=GHOST if ghost else shape.colour,
+                color=ghost or shape.colour,
                 opacity=FAINT if ghost else None,
                 flat_shading=True,
                 side="double",
@@ -127,6 +124,39 @@ class DrawnRobot:
     def show(self, visible: bool) -> None:
         """Or hide."""
         self._root.visible = visible
+
+
+class Ellipsoid:
+    """The system's inertia, as an ellipsoid of even density; hidden at first."""
+
+    def __init__(
+        self, server: Any, name: str, inertia: InertiaEllipsoids, colour: Colour
+    ):
+        """Draw a ball of radius 1, which is stretched.
+
+        Args:
+            server: viser's.
+            name: of the node, unlike every other one's.
+            inertia: over time, inertial frame.
+            colour: of it; it is transparent.
+        """
+        self._inertia = inertia
+        self._x = Rotation.from_matrix(inertia.R).as_quat(scalar_first=True)
+        self._ball = server.scene.add_icosphere(
+            name, color=colour, opacity=FAINT, visible=False
+        )
+
+    def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
+        """As at the time `k`, seen from `origin`."""
+        self._ball.wxyz, self._ball.position = (
+            self._x[k],
+            self._inertia.r_cm[k] - origin,
+        )
+        self._ball.scale = tuple(self._inertia.lengths[k].tolist())
+
+    def show(self, visible: bool) -> None:
+        """Or hide."""
+        self._ball.visible = visible
 
 
 LONGEST = 1.1

@@ -10,8 +10,16 @@ from random_motions import random_motion
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.recordings.recording import Recording
+from orbident.robot.parameters import FIRST_MOMENT, MASS
 from orbident.robot.robot_file import load_robot
-from orbident.scene.replay import centroidal_momentum, predicted_motion, recorded_motion
+from orbident.scene.replay import (
+    centroidal_momentum,
+    compared_motions,
+    predicted_motion,
+    recorded_motion,
+    with_resting_cm,
+)
+from orbident.scene.scene import scene_of
 from orbident.simulation.simulate import simulate
 
 
@@ -79,6 +87,54 @@ def test_the_ghost_goes_where_the_robot_went(robot, flight: Recording):
     alone = predicted_motion(rejected, flight)
     assert alone.predicted is alone.model is None
     assert "no scale" in alone.warnings[0]
+
+
+def test_cad_goes_elsewhere_unless_it_is_right(robot, flight: Recording):
+    """Of a robot that is as CAD has it, and of one whose base is heavier by half."""
+    result = identify(robot, flight, method="least-squares")
+    replay = compared_motions(result, flight)
+    assert replay.by_cad is not None
+    # A prediction with the true numbers; the rest is smoothing, as above.
+    assert np.abs(replay.by_cad.x_WB - replay.measured.x_WB).max() < 1e-6
+
+    theta = robot.theta.copy()
+    theta[0] *= 1.5
+    other = simulate(replace(robot, theta=theta), random_motion(robot, duration=10.0))
+    found = identify(robot, other, method="least-squares")
+    replay = compared_motions(found, other)
+    assert replay.predicted is not None
+    assert replay.by_cad is not None
+    assert np.abs(replay.predicted.x_WB - replay.measured.x_WB).max() < 1e-6
+    # Joints turn by a radian, and the base answers with two thirds of what CAD says.
+    assert np.abs(replay.by_cad.x_WB - replay.measured.x_WB).max() > 1e-2
+
+    # What cannot exist does not predict.
+    theta[0] = -robot.theta[0]
+    wrong = replace(robot, theta=theta)
+    impossible = compared_motions(
+        identify(wrong, flight, method="least-squares"), flight
+    )
+    assert impossible.by_cad is None
+    assert impossible.predicted is not None
+    assert impossible.warnings[0].startswith("no prediction by CAD: ")
+
+    blind = compared_motions(replace(found, checks=(REFUSED,)), other)
+    assert blind.by_cad is blind.predicted is None
+
+
+def test_the_cm_stays_where_it_is(robot, flight: Recording):
+    """The mean of the CMs of all bodies, by their masses."""
+    motion = recorded_motion(robot, flight).measured
+    at = with_resting_cm(scene_of(robot), motion, robot)
+    bodies = robot.theta
+    m = bodies[:, MASS]
+    com = bodies[:, FIRST_MOMENT] / m[:, None]
+    n = len(bodies)
+    r = at.p[:, :n] + np.einsum("nbij,bj->nbi", at.R[:, :n], com)
+    r_cm = np.einsum("b,nbi->ni", m, r) / m.sum()
+    assert np.abs(r_cm - r_cm[0]).max() < 1e-9
+    # It did move.
+    assert np.abs(np.diff(motion.r_S, axis=0)).max() > 1e-3
 
 
 def test_too_little_is_refused(robot, flight: Recording):

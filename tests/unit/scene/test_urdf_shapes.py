@@ -56,6 +56,7 @@ def test_round_ones(geometry: str, reach: list[float]):
         '<box size="1 2"/>',
         '<box size="one two three"/>',
         '<box size="nan 1 1"/>',
+        '<box size="1e300 1 1"/>',
         '<sphere radius=""/>',
         "<box/>",
         "<capsule/>",

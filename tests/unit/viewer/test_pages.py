@@ -1,5 +1,6 @@
 """Pages follow their controls; no browser is needed for that."""
 
+import dataclasses
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.scene.replay import (
     BasePose,
     centroidal_momentum,
+    inertia_ellipsoids,
     placed,
     reaction,
     recorded_motion,
@@ -84,6 +86,48 @@ def test_scrubbing_and_hiding(server: Any, replay):
     r_cm = centroidal_momentum(load_robot(ROBOT), replay.measured).r_cm
     moved = at(server, "/robot/0") - there
     assert np.allclose(moved, r_cm[300] - r_cm[0], atol=1e-12)
+
+
+def test_ghosts_are_where_they_were_predicted_and_can_be_hidden(server: Any, replay):
+    up = np.array([0.0, 0.0, 0.2])
+    moved = replay.measured._replace(r_S=replay.measured.r_S + up)
+    ghosts = replay._replace(predicted=replay.measured, by_cad=moved)
+    page = ReplayPage(server, scene_of(load_robot(ROBOT)), ghosts, "title")
+    off = at(server, "/cad/1") - at(server, "/robot/1")
+    assert np.allclose(off, up, atol=1e-12)
+    assert np.allclose(at(server, "/predicted/1"), at(server, "/robot/1"), atol=1e-12)
+    control(server, "CAD").value = False
+    page.advance(0.03)
+    assert not server.scene.get_handle_by_name("/cad").visible
+    assert server.scene.get_handle_by_name("/predicted").visible
+
+
+def test_inertia_is_shown_where_it_is_wanted(server: Any):
+    robot = load_robot("paper-spatial")
+    found = recorded_motion(robot, simulate(robot, random_motion(robot, duration=2.0)))
+    heavier = dataclasses.replace(robot, theta=1.5 * robot.theta)
+    # As if it were identified: lengths do not know of mass, but of how it is spread.
+    identified = found._replace(predicted=found.measured, model=heavier)
+    page = ReplayPage(server, scene_of(robot), identified, "title")
+    balls = [
+        server.scene.get_handle_by_name(f"/inertia/{name}")
+        for name in ("cad", "identified")
+    ]
+    assert not any(ball.visible for ball in balls)
+    control(server, "Inertia").value = True
+    control(server, "Time, s").value = 1.0
+    page.advance(0.03)
+    assert all(ball.visible for ball in balls)
+    assert np.allclose(balls[0].scale, balls[1].scale, rtol=1e-9)
+    assert np.allclose(balls[0].position, 0.0, atol=1e-9)
+    lengths = inertia_ellipsoids(robot, found.measured).lengths
+    (k,) = np.flatnonzero(found.measured.t == 1.0)
+    assert np.allclose(balls[0].scale, lengths[k])
+
+
+def test_inertia_of_a_robot_on_a_table_is_no_ellipsoid(server: Any, replay):
+    ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
+    assert not control(server, "Inertia").visible
 
 
 def test_the_arrows_are_the_momentum(server: Any, replay):
