@@ -33,6 +33,8 @@ class Now(NamedTuple):
     """Inertial axes, m/s."""
     to_cm: np.ndarray
     """Vector from S to the system CM, base axes, m."""
+    r_cm: np.ndarray
+    """Place of the system CM, from S at the start, inertial axes, m."""
     mass: float
 
 
@@ -117,7 +119,7 @@ def _first_state(clean: Clean, at: Terms) -> np.ndarray:
 def _rate(
     clean: Clean, at: Terms, inside: float, x: np.ndarray, push: Push
 ) -> tuple[np.ndarray, Now]:
-    x_WB, h_cm, _, v_cm = np.split(x, [4, 7, 10])
+    x_WB, h_cm, r_cm, v_cm = np.split(x, [4, 7, 10])
     R_WB = quaternion_matrix(x_WB / np.linalg.norm(x_WB))
     balance = R_WB.T @ h_cm - at.h_moving
     if clean.space:
@@ -125,7 +127,7 @@ def _rate(
     else:
         w = np.array([0.0, 0.0, balance[2] / at.D[2, 2]])
     v_S = v_cm - R_WB @ (np.cross(w, at.to_cm) + at.v_arm)
-    now = Now(at.t, inside, R_WB, w, v_S, at.to_cm, clean.robot.mass)
+    now = Now(at.t, inside, R_WB, w, v_S, at.to_cm, r_cm, clean.robot.mass)
     force, torque = push(now)
     if not clean.space:
         force, torque = force * [1, 1, 0], torque * [0, 0, 1]

@@ -42,12 +42,9 @@ def drawn_world(clean: Clean, seed: int) -> Push:
     A = np.array([[a, b, 0.0], [b, c, 0.0], [0.0, 0.0, 0.0]])
     c_v, c_w = abs(sizes.get("drag", 0.0) * random.normal(size=2))
     c_w *= radius_of_gyration(robot) ** 2
-    first = clean.true.position[0]
 
     def push(now: Now) -> Wrench:
-        # `Now` has no place: what S has travelled is that of the undisturbed flight.
-        S = np.array([np.interp(now.t, clean.t, x) for x in true.position.T]) - first
-        pulled = now.mass * (pull + A @ (S + now.R_WB @ now.to_cm))
+        pulled = now.mass * (pull + A @ now.r_cm)
         dragged = -c_v * now.v_S
         force = now.R_WB.T @ (pulled + dragged)
         about_cm = np.cross(-now.to_cm, now.R_WB.T @ dragged) - c_w * now.w
