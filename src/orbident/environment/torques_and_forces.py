@@ -47,7 +47,7 @@ from orbident.environment.worlds import SHORTEST, world_of
 from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
-from orbident.recordings.derivatives import HALF, derivatives
+from orbident.recordings.derivatives import HALF, second_derivative
 
 WAVES = 24
 """So a walk's deviation is wrong by a fifth of a percent."""
@@ -306,7 +306,7 @@ class OnSprings(Agent):
         t, w = motion.t[::2], motion.w[::2]
         if t.size <= 2 * HALF:
             return
-        _, bent = derivatives(t, w)
+        bent = second_derivative(t, w)
         axes = conserved_axes(motion.robot)[0]
         for i in axes:
             for k in axes[axes.index(i) :]:

@@ -10,6 +10,9 @@ from jaxtyping import Float
 HALF, DEGREE = 8, 4
 """Samples before and after one, and the degree of the polynomial through them."""
 
+EXPLAINED = 1.5
+"""Times: noise is known to less than that by some twenty samples."""
+
 Samples = Float[np.ndarray, "n axes"]
 
 
@@ -20,15 +23,56 @@ def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Sample
         t: s, evenly spaced; more than `2 HALF`.
         x: finite samples at these times.
     """
-    dt = float(np.median(np.diff(t)))
-    k = np.delete(np.arange(-HALF, HALF + 1), HALF) / HALF
+    by = _weights(t, HALF)
+    return _filtered(x, by[1]), _filtered(x, by[2])
+
+
+def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
+    """The second derivative by the widest polynomials that the samples allow.
+
+    Each is twice as wide as the one before, and both differ by no more than the noise
+    of the narrower one explains (Lepski 1991): what is wider is hardly noise, and what
+    is narrower hardly bent otherwise.
+
+    Args:
+        t: s, evenly spaced; more than `2 HALF`.
+        x: finite samples at these times.
+    """
+    half, by = HALF, _weights(t, HALF)
+    off = x - _filtered(x, by[0])
+    noise = np.sqrt(np.mean(off**2, axis=0) / (1 + by[0] @ by[0]))
+    found = _filtered(x, by[2])
+    while t.size > 4 * half:
+        half = 2 * half
+        wide = _weights(t, half)
+        more = _filtered(x, wide[2])
+        differ = np.sqrt(np.mean((more - found) ** 2, axis=0))
+        own = noise * np.linalg.norm(wide[2] - _padded(by[2], half))
+        if np.any(differ > EXPLAINED * own):
+            break
+        found, by = more, wide
+    return found
+
+
+def _weights(
+    t: Float[np.ndarray, " n"], half: int
+) -> Float[np.ndarray, "derivatives around"]:
+    """Those of the samples around one, for the value and its derivatives there."""
+    k = np.delete(np.arange(-half, half + 1), half) / half
     by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
-    by = np.insert(by, HALF, 0.0, axis=1)
-    around = ((HALF, HALF), (0, 0))
-    padded = np.pad(x, around, mode="reflect", reflect_type="odd")
+    scale = half * float(np.median(np.diff(t)))
+    order = np.array([[1.0], [1.0 / scale], [2.0 / scale**2]])
+    return np.insert(by, half, 0.0, axis=1)[:3] * order
 
-    def filtered(weights: Float[np.ndarray, " around"]) -> Samples:
-        columns = [np.correlate(axis, weights, "valid") for axis in padded.T]
-        return np.column_stack(columns)
 
-    return filtered(by[1] / (HALF * dt)), filtered(2 * by[2] / (HALF * dt) ** 2)
+def _padded(
+    weights: Float[np.ndarray, " around"], half: int
+) -> Float[np.ndarray, " wider"]:
+    return np.pad(weights, half - weights.size // 2)
+
+
+def _filtered(x: Samples, weights: Float[np.ndarray, " around"]) -> Samples:
+    half = weights.size // 2
+    padded = np.pad(x, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
+    columns = [np.correlate(axis, weights, "valid") for axis in padded.T]
+    return np.column_stack(columns)
