@@ -6,7 +6,7 @@ flies, which other engines fly alike (`tests/oracles`); the third is flown by pl
 deviation for each seed: thrust, and the mass that scales show. Of as many seeds as
 ORBIDENT_VALVES says (20 by default):
 
-    ORBIDENT_VALVES=20 pytest -m long -s tests/statistics/test_valves.py
+    ORBIDENT_VALVES=20 pytest -m long -s tests/statistics/test_valves_on_three_robots.py
 """
 
 import os
