@@ -110,7 +110,8 @@ def forest(flights: DemoFlights, result: Result) -> str:
 
 
 COLORS = ("#2f81f7", "#d4772c", "#2da44e", "#a475f9", "#8b949e")
-"""Of parts of a whole: 3 to 1 and more on both cards."""
+"""Colours of the parts of a whole; each has a contrast of 3 to 1 and more to the light
+and to the dark background."""
 
 
 def budget(result: Result) -> str:

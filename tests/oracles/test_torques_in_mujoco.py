@@ -251,7 +251,7 @@ def test_identified_by_currents(wheels, mass):
 @pytest.mark.parametrize(("wheels", "within"), [(True, 0.02), (False, 0.05)])
 @pytest.mark.parametrize("motors", [True, False])
 def test_intervals_hold_where_torques_are_off(motors, wheels, within):
-    """Of 80 flights: base parameters, friction and the 400 errors of scale.
+    """Base parameters, friction and scales of 80 flights are in 95 % intervals.
 
     The part of 400 numbers that is inside varies by 1.1 %, of 100 by 2.2 %. Without
     wheels all numbers of a flight share the error of its scale: of 80 it is 2.4 %.

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from orbident.diagnosis.conventions import Convention, conventions
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
+from orbident.estimation.estimate import whiteness
 from orbident.estimation.linear_fits import LinearFit, fit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.signals import equation_signals
@@ -112,17 +113,16 @@ def _part_left(fit: LinearFit) -> float:
 def _white_parts(problem: MomentumProblem) -> Float[np.ndarray, "2"]:
     """The part of the residuals of Eqs. 24 and 31 that is noise of single samples.
 
-    No convention lowers it. White noise differs from sample to sample by the root of
-    two times its own size (von Neumann 1941).
+    No convention lowers it. It is what differs from sample to sample, over the root of
+    two (von Neumann 1941).
     """
     fits, parts = problem.fits, {"momentum": 0.0, "velocity": 0.0}
     for signal in equation_signals(
         *(problem.robot, problem.sets, problem.samples, problem.initial_momentum),
         *(fits.pi.values, fits.phi.values),
     ):
-        e = signal.measured - signal.predicted
-        changes = np.linalg.norm(np.diff(e, axis=0)) / np.sqrt(2)
-        parts[signal.name] = float(changes / max(np.linalg.norm(e), TINY))
+        left = signal.measured - signal.predicted
+        parts[signal.name] = float(np.sqrt(1 - whiteness(left)))
     return np.array([*parts.values()])
 
 

@@ -7,11 +7,14 @@ and would seem to be explained by itself.
 import numpy as np
 from jaxtyping import Float
 
+from orbident.gaussian import white_std
+
 HALF, DEGREE = 8, 4
 """Samples before and after one, and the degree of the polynomial through them."""
 
 EXPLAINED = 1.5
-"""Times: noise is known to less than that by some twenty samples."""
+"""How many times what noise explains two derivatives may differ: some twenty samples
+know the noise better than that."""
 
 Samples = Float[np.ndarray, "n axes"]
 
@@ -23,8 +26,8 @@ def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Sample
         t: s, evenly spaced; more than `2 HALF`.
         x: finite samples at these times.
     """
-    by = _weights(t, HALF)
-    return _filtered(x, by[1]), _filtered(x, by[2])
+    first, second = _weights(t, HALF)
+    return _filtered(x, first), _filtered(x, second)
 
 
 def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
@@ -38,37 +41,28 @@ def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
         t: s, evenly spaced; more than `2 HALF`.
         x: finite samples at these times.
     """
-    half, by = HALF, _weights(t, HALF)
-    off = x - _filtered(x, by[0])
-    noise = np.sqrt(np.mean(off**2, axis=0) / (1 + by[0] @ by[0]))
-    found = _filtered(x, by[2])
+    half, noise = HALF, white_std(x)
+    by = _weights(t, half)[1]
+    found = _filtered(x, by)
     while t.size > 4 * half:
         half = 2 * half
-        wide = _weights(t, half)
-        more = _filtered(x, wide[2])
+        wide = _weights(t, half)[1]
+        more = _filtered(x, wide)
         differ = np.sqrt(np.mean((more - found) ** 2, axis=0))
-        own = noise * np.linalg.norm(wide[2] - _padded(by[2], half))
+        own = noise * np.linalg.norm(wide - np.pad(by, half // 2))
         if np.any(differ > EXPLAINED * own):
             break
         found, by = more, wide
     return found
 
 
-def _weights(
-    t: Float[np.ndarray, " n"], half: int
-) -> Float[np.ndarray, "derivatives around"]:
-    """Those of the samples around one, for the value and its derivatives there."""
+def _weights(t: Float[np.ndarray, " n"], half: int) -> Float[np.ndarray, "2 around"]:
+    """What neighbours of a sample weigh in the first and second derivative there."""
     k = np.delete(np.arange(-half, half + 1), half) / half
     by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
     scale = half * float(np.median(np.diff(t)))
-    order = np.array([[1.0], [1.0 / scale], [2.0 / scale**2]])
-    return np.insert(by, half, 0.0, axis=1)[:3] * order
-
-
-def _padded(
-    weights: Float[np.ndarray, " around"], half: int
-) -> Float[np.ndarray, " wider"]:
-    return np.pad(weights, half - weights.size // 2)
+    order = np.array([[1.0 / scale], [2.0 / scale**2]])
+    return np.insert(by, half, 0.0, axis=1)[1:3] * order
 
 
 def _filtered(x: Samples, weights: Float[np.ndarray, " around"]) -> Samples:

@@ -25,21 +25,20 @@ from orbident.scene.scene import Scene, view_axes
 from orbident.scene.shapes import BASE, CAD, IDENTIFIED, Colour, coarse
 
 FRAMES = 100
-"""At most: a motion of the whole robot is smooth with half as many."""
+"""The most frames of a clip: half as many already show a smooth motion."""
 FRAME, LAST = 100, 2000
 """How long a frame is shown, and the last one, ms."""
 WIDTH, HEIGHT = 640, 480
 """Pixels."""
 BELOW = 0.83
-"""The part of the height that the robot has, below words."""
+"""The part of a picture's height that the robot has; words are above it."""
 FINER = 2
-"""Drawn so many times larger, and averaged: edges of neighbours leave no gaps."""
+"""A picture is drawn so many times larger, and averaged: no gaps between faces."""
 MOST_VERTICES = 5000
-"""Of a robot, for a clip in half a minute; the finest shapes are shown as boxes."""
+"""The most vertices of a robot, so that a clip takes half a minute at most: boxes stand
+for its finest shapes."""
 AMBIENT = 0.55
-"""Light on a face that is seen edge-on, of that on one that faces the eye."""
-
-
+"""How light a face is that is seen edge-on, where one that faces the eye has one."""
 FINEST = 0.2
 """No edge is longer than this part of the largest shape: a face is near or far as a
 whole."""
@@ -214,7 +213,7 @@ def split(
 
 
 def _light(triangles: Float[np.ndarray, "f 3 3"]) -> Float[np.ndarray, " f"]:
-    """Of faces in the axes of the picture; one without area is dark."""
+    """How light faces are, as they turn to the eye; one without area is dark."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     across = np.cross(b - a, c - a)
     area = np.linalg.norm(across, axis=1)

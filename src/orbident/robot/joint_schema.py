@@ -284,7 +284,7 @@ def _above_zero(value: object) -> float:
 
 
 TorqueConstants = dict[Name, Annotated[float, BeforeValidator(_above_zero)]]
-"""As a robot file has it: torque constants by joint."""
+"""The torque constants of a robot file, by joint, N m/A or N/A."""
 
 
 def check_driven(

@@ -26,7 +26,7 @@ TORQUE_SENSORS = 0.01
 """Scale of a joint's torque sensor, relative: 1 % of full scale is usual."""
 
 TORQUE_CONSTANTS = 0.05
-"""The same of a motor's current: data sheets are right to 10 %, two deviations."""
+"""Scale of a motor's torque constant, relative: data sheets give twice as much."""
 
 
 class CalibrationKind(NamedTuple):

@@ -167,7 +167,7 @@ class Replay(NamedTuple):
     predicted: MotionHistory | None
     """None without a model, or where it cannot predict."""
     by_cad: MotionHistory | None
-    """As CAD predicts; None where that was not asked for, and as above."""
+    """The motion that CAD predicts; None where it cannot, or was not asked."""
     model: Robot | None
     """The robot with the inertia that momentum is computed with; None as above."""
     velocity_known: bool
@@ -221,7 +221,7 @@ def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory
 
 
 def with_cad_values(result: Result) -> Result:
-    """The same as if CAD were right: what it predicts is CAD's prediction."""
+    """A result with CAD's parameters, whose predictions are those of CAD."""
     sets = {name: getattr(result, name) for name in ("base", "pi", "phi")}
     return replace(
         result, **{name: replace(x, values=x.nominal) for name, x in sets.items()}

@@ -273,7 +273,10 @@ class ReplayPage:
 def _ellipsoids(
     server: Any, scene: Scene, replay: Replay, measured: MotionHistory
 ) -> list[Ellipsoid]:
-    """By CAD, and as identified; of a robot on a table only one moment shows."""
+    """The system's inertia as ellipsoids, by CAD and as identified.
+
+    There are none of a robot on a table, of which only one moment shows.
+    """
     if scene.robot.motion == "planar":
         return []
     models = [("/inertia/cad", scene.robot, CAD)]

@@ -147,7 +147,7 @@ class Ellipsoid:
         )
 
     def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
-        """As at the time `k`, seen from `origin`."""
+        """Show it as it is at the time `k`, seen from `origin`."""
         self._ball.wxyz, self._ball.position = (
             self._x[k],
             self._inertia.r_cm[k] - origin,
@@ -199,7 +199,7 @@ class Arrows:
         )
 
     def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
-        """As at the time `k`, seen from `origin`."""
+        """Show it as it is at the time `k`, seen from `origin`."""
         at = self._cm[k] - origin
         long = np.linalg.norm(self._arrows[k], axis=1) > SHORTEST * self._size
         ends = at + self._arrows[k][long]

@@ -68,7 +68,7 @@ def calibrations_of(
 def _errors(
     robot: Robot, tolerance: str, recorded: Collection[str]
 ) -> Iterator[tuple[Sequence[Unknown], Collection[int]]]:
-    """Those of each joint or wheel, or the only ones, and axes that show nothing."""
+    """The errors of one kind of each joint or wheel, and axes that show nothing."""
     kind, std = CALIBRATION_KINDS[tolerance], getattr(robot.tolerances, tolerance)
     owners: Mapping[str, Joint | Wheel | None] = {"": None}
     if kind.name.startswith("joint."):
