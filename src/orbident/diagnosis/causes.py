@@ -8,7 +8,7 @@ import numpy as np
 
 from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
-from orbident.diagnosis.filters import filters
+from orbident.diagnosis.filters import filters, smoothed
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.instruments import freed, kinds
 from orbident.diagnosis.late_clocks import (
@@ -192,7 +192,7 @@ def _by_trials(
     happened = None if shrunk else event(problem)
     more = f"; {SEARCH_ON}" if ended else ""
     likeliest = best.cause if best is not None and falls > EXPLAINS else ""
-    if happened is not None:
+    if happened is not None and (happened.sure or not likeliest):
         most = "; of all that was tried most is explained if " if likeliest else ""
         yield _found(f"{happened.reason}{most}{likeliest}", happened.remedy)
     elif likeliest:
@@ -268,6 +268,7 @@ def _tried(
     for some in (
         noisier_sensors,
         spikes,
+        smoothed,
         partial(_written, conventions),
         # What the linear equations see is no small error, which others would follow.
         far_clocks,

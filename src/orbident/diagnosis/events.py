@@ -30,6 +30,8 @@ class Event(NamedTuple):
 
     reason: str
     remedy: str = BY_PART
+    sure: bool = True
+    """Whether it explains all: else it may be that a short part shows less."""
 
 
 def event(problem: MomentumProblem) -> Event | None:
@@ -54,14 +56,16 @@ def event(problem: MomentumProblem) -> Event | None:
         return _apart(apart, f"; it begins {at}", pushed)
     if unclear:
         return Event(
-            f"the recording fits up to an event {at} (perhaps a push, such as a "
-            "thruster's burst, or the robot changed by a capture)"
+            f"the recording fits up to some time {at} (perhaps there was a push then, "
+            "such as a thruster's burst, or the robot changed by a capture)",
+            sure=False,
         )
     if not after.fits:
         return Event(
             f"the recording stops to fit {at}, and what follows does not fit either "
             "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
-            "is not as recorded)"
+            "is not as recorded)",
+            sure=False,
         )
     if not same:
         return Event(

@@ -16,10 +16,14 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from orbident.diagnosis.shifts import less
+from orbident.diagnosis.noisier_sensors import UNMODELLED
+from orbident.diagnosis.shifts import less, shown_by
 from orbident.diagnosis.suspects import Numbers, Suspect
+from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.gaussian import noisiest_std
 from orbident.recordings.derivatives import HALF, derivatives
+from orbident.robot.sensor_schema import TrackerSpec
 
 SMALL = np.array([1e-5, 1e-6])
 """s and s^2: far below what would be seen."""
@@ -27,6 +31,11 @@ SMALL = np.array([1e-5, 1e-6])
 CLEAR = 25.0
 """Times the square of the time by which samples are late: what is smoothed about its
 middle, or swings, is not late, and what is late by a fifth of it may be late alone."""
+
+LEAST = 4.0
+"""Samples of which a mean is told from noise, and means of a recording."""
+
+TINY = 1e-300
 
 Slopes = tuple[Float[np.ndarray, "n axes"], Float[np.ndarray, "n axes"]]
 """The first and the second derivative by time."""
@@ -42,18 +51,57 @@ def filters(problem: MomentumProblem) -> Iterator[Suspect]:
     }
     if joints:
         yield _filtered("joints", {x: slopes(recording.t, joints[x]) for x in joints})
-    for sensor in ("gyro", "position"):
-        if recording.has_vector(sensor):
-            of_sensor = slopes(recording.t, recording.vector(sensor))
-            yield _filtered(sensor, {sensor: of_sensor})
-    if recording.has("attitude.x"):
-        # The turn from what it was a moment ago is the rate by the time.
-        w = np.column_stack(problem.samples.w)
-        seen = np.isfinite(w).all(axis=1)
-        spline = CubicSpline(problem.samples.t[seen], w[seen])
-        at = np.clip(recording.t, *problem.samples.t[seen][[0, -1]])
-        turning = spline(at)
-        yield _filtered("attitude", {"attitude": (turning, slopes(at, turning)[0])})
+    for sensor in ("gyro", "position", "attitude"):
+        if recording.has(f"{sensor}.x"):
+            yield _filter_of(problem, sensor)
+
+
+def _filter_of(problem: MomentumProblem, sensor: str) -> Suspect:
+    recording = problem.recording
+    if sensor != "attitude":
+        found = slopes(recording.t, recording.vector(sensor))
+        return _filtered(sensor, {sensor: found})
+    # The turn from what it was a moment ago is the rate by the time.
+    w = np.column_stack(problem.samples.w)
+    seen = np.isfinite(w).all(axis=1)
+    spline = CubicSpline(problem.samples.t[seen], w[seen])
+    at = np.clip(recording.t, *problem.samples.t[seen][[0, -1]])
+    turning = spline(at)
+    return _filtered(sensor, {sensor: (turning, slopes(at, turning)[0])})
+
+
+def smoothed(problem: MomentumProblem) -> Iterator[Trial]:
+    """Identify again with each pose as the mean of so many samples around it.
+
+    The mean of `n` white samples changes from one to the next by what enters and what
+    leaves. So its fourth differences, `1/n` of third differences between these, show
+    `sqrt(2 C(6, 3) / C(8, 4)) / n` of the noise, and what is left of it lasts for some
+    `n / 2` samples.
+    """
+    robot, recording = problem.robot, problem.recording
+    dt = float(np.median(np.diff(recording.t)))
+    for sensor, samples in shown_by(robot, recording).items():
+        tracker = robot.sensors.of_base.get(sensor)
+        if not isinstance(tracker, TrackerSpec) or tracker.markov_std:
+            continue
+        x = samples[np.isfinite(samples).all(axis=1)]
+        # Of an attitude twice the quaternion's, which are angles.
+        shown = noisiest_std(2 * x if sensor == "attitude" else x)
+        rows = np.sqrt(4 / 7) * tracker.white_noise / max(shown, TINY)
+        if not LEAST <= rows <= x.shape[0] / LEAST:
+            continue
+        std, lasts = 3 * (tracker.white_noise / np.sqrt(rows),), 3 * (rows * dt / 2,)
+        more = {"white_noise": shown, "markov_std": std, "correlation_time": lasts}
+        errors = {sensor: tracker.model_copy(update=more)}
+        suspect = _filter_of(problem, sensor)
+        right = suspect.corrected(problem, np.array([0.0, -((rows * dt) ** 2) / 24]))
+        yield amended_trial(
+            f"a filter smooths the samples of the {sensor} over some {rows * dt:.2g} s "
+            f"(neighbours show {tracker.white_noise / shown:.2g} times less noise than "
+            "the robot file declares)",
+            right,
+            robot=replace(robot, sensors=robot.sensors.model_copy(update=errors)),
+        )._replace(rival=UNMODELLED)
 
 
 def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:

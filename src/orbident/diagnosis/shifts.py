@@ -103,6 +103,9 @@ def less(
 SMALL = 1e-5
 """rad, rad/s or m: far below what would be seen."""
 
+BETWEEN = 0.1
+"""Part of a joint's usual rate below which a gear with play is between its sides."""
+
 SMALL_BEND = 1e-4
 """s^2: of a joint that gives way at 16 Hz."""
 
@@ -140,7 +143,8 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
     """Encoders whose error has a course: in time, over a turn, or with the load.
 
     One that is not in the middle of its axis is off by `a sin(q) + b cos(q)`. On the
-    motor of a joint that gives way it shows `q_m = q + c qdd`.
+    motor of a joint that gives way it shows `q_m = q + c qdd`, and on that of one whose
+    gear has play `q_m = q + c sign(qd)`.
     """
     names, t = problem.robot.joint_names, problem.samples.t
     if not names:
@@ -150,7 +154,9 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
     seen = np.isfinite(moved).all(axis=1)
     inside = np.clip(problem.recording.t, *t[seen][[0, -1]])
     q = CubicSpline(t[seen], position[seen])(inside)
-    qdd = CubicSpline(t[seen], moved[seen])(inside, 1)
+    rates = CubicSpline(t[seen], moved[seen])
+    qd, qdd = rates(inside), rates(inside, 1)
+    slow = np.maximum(BETWEEN * np.std(moved[seen], axis=0), SMALL)
     elapsed = (inside - inside[0]) / (inside[-1] - inside[0])
 
     def most(c: Numbers) -> tuple[str, float]:
@@ -169,6 +175,13 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
             "rad over each turn)".format(*most(c))
         )
 
+    def playing(c: Numbers) -> str:
+        name, size = most(c)
+        return (
+            f"gears have backlash, between an encoder on the motor and the link: joint "
+            f"{name} has a play of {2 * size:.2g} rad"
+        )
+
     def soft(c: Numbers) -> str:
         name, bend = most(np.maximum(c, SMALL**2))
         return (
@@ -181,7 +194,8 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
     yield _of_joints(
         names, off_centre, SMALL * np.tile(one, 2), [np.sin(q), np.cos(q) - 1]
     )
-    # No spring pushes the other way.
+    # No play is less than none, and no spring pushes the other way.
+    yield _of_joints(names, playing, SMALL * one, [qd / np.hypot(qd, slow)], least=0.0)
     yield _of_joints(names, soft, SMALL_BEND * one, [qdd], least=0.0)
 
 

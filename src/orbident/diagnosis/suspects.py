@@ -73,7 +73,7 @@ class Scores:
                 return NOTHING
             D = np.column_stack([x - r for x in moved]) / suspect.small
             sized = np.linalg.norm(D, axis=0)
-        if not np.isfinite(sized).all() or not sized.all():
+        if not np.isfinite(sized).all() or not sized.any():
             return NOTHING
         return score(D, -r)
 

@@ -73,7 +73,19 @@ def test_an_encoder_off_the_centre_of_its_axis():
     q = recording.columns["joint.joint2.position"]
     wrong = less(recording, "joint.joint2", -5e-3 * np.sin(q)[:, None])
     problem = with_recording(wrong)
-    _, suspect, _ = joint_errors(problem)
+    _, suspect, *_ = joint_errors(problem)
     found = numbers(problem, suspect)
     np.testing.assert_allclose(found[2:4], [5e-3, 0.0], atol=5e-4)
     assert "the encoder of joint joint2 is off the centre" in suspect.words(found)
+
+
+def test_a_gear_with_play():
+    """The motor is ahead of the link by half of it, on the side to which it turns."""
+    recording = clean().recording
+    q = recording.columns["joint.joint2.position"]
+    ahead = np.sign(np.gradient(q, recording.t))
+    problem = with_recording(less(recording, "joint.joint2", -5e-4 * ahead[:, None]))
+    *_, suspect, _ = joint_errors(problem)
+    found = numbers(problem, suspect)
+    np.testing.assert_allclose(found, [0.0, 5e-4, 0.0], atol=1.5e-4)
+    assert "joint joint2 has a play of" in suspect.words(found)
