@@ -11,8 +11,8 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 300,
-    "lines": 62_614,
+    "files": 301,
+    "lines": 62_972,
     "files of estimation": 48,
     "lines of estimation": 11_530,
     "files with one user": 66,
