@@ -72,13 +72,30 @@ def test_what_takes_none_says_so(load_yaml, tmp_path):
     path.write_text(MOTION)
     motion = load_trajectory(path)
     for asked in (
-        lambda: simulate(robot, motion),
         lambda: design_excitation(robot),
         lambda: bound_of(robot, motion),
         lambda: weigh(robot, Recording(np.arange(3.0), {}, "burn.csv")),
     ):
         with pytest.raises(InputError, match="joint 'joint2' is passive, and the"):
             asked()
+
+
+def test_it_is_simulated_and_nothing_shows_it(load_yaml, tmp_path):
+    """A trajectory moves the others; the joint is what its spring lets it be."""
+    robot = load_yaml(f"passive: {{{RATE}}}}}\nsensors: {{torques: {{std: 0.1}}}}")
+    path = tmp_path / "motion.yaml"
+    path.write_text(MOTION)
+    with pytest.raises(InputError, match="has 'joint1', passive ones apart"):
+        simulate(robot, load_trajectory(path))
+    path.write_text(MOTION.replace(", joint2: {a: [0.05], b: [0.05]}", ""))
+    motion = load_trajectory(path)
+    for noise in ("none", "sensors"):
+        recording = simulate(robot, motion, noise=noise)
+        shown = [name for name in recording.columns if name.startswith("joint.joint2")]
+        assert shown == []
+        assert recording.with_joints_of(robot)
+    true = simulate(robot, motion, noise="sensors", truth=True)
+    assert true.column("truth.joint.joint2.position").any()
 
 
 def test_a_joint_is_passive_or_measured(load_yaml):
