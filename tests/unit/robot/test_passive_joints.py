@@ -6,7 +6,6 @@ from urdf_texts import ARM
 
 from orbident.errors import InputError
 from orbident.estimation.weigh import weigh
-from orbident.excitation.bound import bound_of
 from orbident.excitation.design import design_excitation
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive
@@ -66,14 +65,10 @@ def test_a_follower_is_not_passive(load_yaml):
         load_yaml(f"passive: {{{RATE}}}}}", mimic)
 
 
-def test_what_takes_none_says_so(load_yaml, tmp_path):
+def test_what_takes_none_says_so(load_yaml):
     robot = load_yaml(f"passive: {{{RATE}}}}}")
-    path = tmp_path / "motion.yaml"
-    path.write_text(MOTION)
-    motion = load_trajectory(path)
     for asked in (
         lambda: design_excitation(robot),
-        lambda: bound_of(robot, motion),
         lambda: weigh(robot, Recording(np.arange(3.0), {}, "burn.csv")),
     ):
         with pytest.raises(InputError, match="joint 'joint2' is passive, and the"):
