@@ -95,7 +95,7 @@ def bound_of(
     # Nobody measures passive joints.
     seen = [name not in robot.passive for name in robot.joint_names]
     shown = motion._replace(q=motion.q * seen, qd=motion.qd * seen)
-    samples = _true_samples(shown, wrenches, _shares(shown, sensors))
+    samples = _true_samples(robot, shown, wrenches, _shares(shown, sensors))
     problem = problem_of(robot, sets, samples, sensors)
     # Where nothing acts they are constant, and else those at the start.
     h_cm, v_cm = (np.atleast_2d(each)[0] for each in (motion.h_cm, motion.v_cm))
@@ -173,8 +173,14 @@ def _shares(motion: FreeFloating | FreeFlying, sensors: Sensors) -> tuple[float,
 
 
 def _true_samples(
-    motion: FreeFloating | FreeFlying, wrenches: Wrenches, shares: tuple[float, ...]
+    robot: Robot,
+    motion: FreeFloating | FreeFlying,
+    wrenches: Wrenches,
+    shares: tuple[float, ...],
 ) -> Samples:
+    # Their noise is that of the momentum that predicts the base rate.
+    wheels = robot.sensors.wheels
+    tachometers = Origin.MEASURED if wheels and wheels.tachometer else Origin(0)
     return Samples(
         t=motion.t,
         q=tuple(motion.q.T),
@@ -187,6 +193,6 @@ def _true_samples(
         surroundings={},
         locked=(),
         shares=shares,
-        origins={"wheel_speeds": Origin(0)},
+        origins={"wheel_speeds": tachometers},
         source="simulation",
     )
