@@ -235,12 +235,17 @@ class Trajectory:
         """The same trajectory with its rows in the order of the robot's joints.
 
         A joint that it does not name and that follows another moves as the robot says.
-        A passive one is not driven: it is told to be where its spring is at rest.
+        A passive one is not driven: if it is named, it is held where its spring rests.
 
         Raises:
             InputError: A joint is missing or unknown, or a wheel is unknown.
         """
-        leaders = {name: (name, 1.0, 0.0) for name in self.joints}
+        table = np.hstack([self.a, self.b, self.start, self.end])
+        leaders = {
+            name: (name, 1.0, 0.0)
+            for name, moves in zip(self.joints, table.any(axis=1), strict=True)
+            if moves or name not in robot.passive
+        }
         for follower, leader, factor, offset in robot.couplings:
             if leader in self.joints:
                 leaders.setdefault(follower, (leader, factor, offset))
@@ -263,7 +268,7 @@ class Trajectory:
             k = robot.joint_names.index(name)
             lead[k, self.joints.index(leader)], offsets[k] = factor, offset
         a, b, start, end = (
-            lead @ table for table in (self.a, self.b, self.start, self.end)
+            lead @ each for each in (self.a, self.b, self.start, self.end)
         )
         for state in (start, end):
             state[:, 0] += offsets

@@ -84,6 +84,8 @@ def test_it_is_simulated_and_nothing_shows_it(load_yaml, tmp_path):
         simulate(robot, load_trajectory(path))
     path.write_text(MOTION.replace(", joint2: {a: [0.05], b: [0.05]}", ""))
     motion = load_trajectory(path)
+    ordered = motion.for_robot(robot)
+    assert np.array_equal(ordered.for_robot(robot).start, ordered.start)
     for noise in ("none", "sensors"):
         recording = simulate(robot, motion, noise=noise)
         shown = [name for name in recording.columns if name.startswith("joint.joint2")]
