@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 301,
-    "lines": 62_998,
+    "lines": 63_018,
     "files of estimation": 48,
     "lines of estimation": 11_530,
     "files with one user": 66,

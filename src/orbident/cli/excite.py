@@ -45,7 +45,7 @@ Harmonics = Annotated[
     int | None,
     typer.Option(
         help="Number of Fourier harmonics (Eq. 41). By default 3; where anything may "
-        "act from outside, the search chooses, up to 16."
+        "act from outside, the search chooses, up to 32."
     ),
 ]
 Criterion = Annotated[

@@ -275,7 +275,6 @@ def _tried(
         # Wrong inertias of known wheels may look like another one.
         missing_wheel,
         near_clocks,
-        # What lasts explains much of anything.
         partial(lasting_errors, shown=solved.shown),
     ):
         for one in some(problem):

@@ -16,7 +16,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
-from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
+from orbident.diagnosis.trial import Rival, Trial, amended_trial
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -140,16 +140,19 @@ def _gain(r: Float[np.ndarray, "n axes"], part: float, rows: float) -> float:
 
 
 def lasting_errors(problem: MomentumProblem, shown: Estimate | None) -> Iterator[Trial]:
-    """Identify again with each sensor whose errors may last; none without a fit."""
+    """Identify again with each sensor whose errors may last; none without a fit.
+
+    What lasts explains much of anything: where that is not all, it says nothing.
+    """
     one = float(np.log(problem.samples.t.size))
     for errors in lasting(problem, shown) if shown else ():
         # Its size and its time are what the residuals gave.
         if errors.gain - 2 * one > WORTH:
             found = _trial(errors.words, problem, errors.sensors)
-            rival = UNMODELLED if found.accepted else NONE
             # As many unknowns explain so much by chance (Schwarz 1978).
             price = errors.numbers * one
-            yield found._replace(misfit=found.misfit + price, rival=rival)
+            if found.accepted:
+                yield found._replace(misfit=found.misfit + price, rival=UNMODELLED)
 
 
 def _trial(

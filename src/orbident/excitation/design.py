@@ -38,10 +38,10 @@ STARTS = 24
 EVALUATIONS = 1500
 """And so many evaluations of the criterion in the first descents, some 2 ms each."""
 
-HARMONICS = (3, 6, 10, 16)
+HARMONICS = (3, 6, 10, 16, 32)
 """Numbers that the search tries; the first is the paper's."""
 
-MOST_COORDINATES = 100
+MOST_COORDINATES = 128
 """Of all joints together: a step of SLSQP with more takes longer than the criterion."""
 
 LIMIT_STEPS = 64
@@ -60,6 +60,9 @@ these, limits hold to 2 in 10000."""
 
 JUDGED = 3
 """So many optima, and so many random motions, are scored on their true motion."""
+
+ALIKE = 1.05
+"""Times: how large what acts is, and so the criterion, is known no better than that."""
 
 RESERVED = 0.1
 """Share of a budget that is kept for the proof and the scores."""
@@ -100,7 +103,7 @@ def design_excitation(
     Args:
         robot: with limits of its joints; its inertia is nominal.
         duration: t_f, s.
-        harmonics: N_f; by default the search chooses, up to 16, where anything may act
+        harmonics: N_f; by default the search chooses, up to 32, where anything may act
             from outside and the objective is of deviations, else 3.
         objective: `"cond"` for the condition number of `Y-hat`; `"d"`, `"a"` or `"e"`
             for the information of all parameters under the robot file's sensors. By
@@ -158,7 +161,7 @@ def design_excitation(
         for found in (searched.optima, drawn)
     )
     by_chance = min(random, key=lambda each: each.value)
-    best = min([*optima, by_chance], key=lambda each: each.value)
+    best = _most_certain([*optima, by_chance])
     scores = best.scores._asdict()
     del scores["deviations"]
     made = {
@@ -322,6 +325,13 @@ def _judged(
             )
         )
     return judged
+
+
+def _most_certain(found: list[Judged]) -> Judged:
+    """Of motions that are as good as the best one, that which what acts costs least."""
+    enough = ALIKE * min(each.value for each in found)
+    alike = [each for each in found if each.value <= enough]
+    return min(alike, key=lambda each: (each.scores.price or 1.0, each.value))
 
 
 def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:

@@ -31,7 +31,7 @@ def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Sample
 
 
 def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
-    """The second derivative by the widest polynomials that the samples allow.
+    """The second derivative of each axis by the widest polynomials that it allows.
 
     Each is twice as wide as the one before, and both differ by no more than the noise
     of the narrower one explains (Lepski 1991): what is wider is hardly noise, and what
@@ -41,6 +41,10 @@ def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
         t: s, evenly spaced; more than `2 HALF`.
         x: finite samples at these times.
     """
+    return np.column_stack([_widest(t, axis[:, None]) for axis in x.T])
+
+
+def _widest(t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n 1"]) -> Samples:
     half, noise = HALF, white_std(x)
     by = _weights(t, half)[1]
     found = _filtered(x, by)
@@ -48,9 +52,8 @@ def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
         half = 2 * half
         wide = _weights(t, half)[1]
         more = _filtered(x, wide)
-        differ = np.sqrt(np.mean((more - found) ** 2, axis=0))
         own = noise * np.linalg.norm(wide - np.pad(by, half // 2))
-        if np.any(differ > EXPLAINED * own):
+        if np.sqrt(np.mean((more - found) ** 2)) > EXPLAINED * own:
             break
         found, by = more, wide
     return found

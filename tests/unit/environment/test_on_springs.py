@@ -1,6 +1,7 @@
 """What swings inside a robot: its column where all derivatives are known."""
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from orbident.environment.motion import RobotMotion
@@ -64,3 +65,12 @@ def test_without_noise_nothing_is_wider_than_the_motion_lets():
     error = (second_derivative(t, shown) - true)[40:-40]
     # A polynomial of fourth degree over 0.8 s.
     assert np.abs(error).max() < 1e-3 * np.abs(true).max()
+
+
+def test_an_axis_that_moves_fast_leaves_those_that_move_slowly_as_they_are():
+    """With a common width, an axis that hardly moved had its noise as the column."""
+    t, _, shown = slow_and_noisy(2e-4)
+    fast = 0.03 * np.sin(9.0 * t)
+    beside = np.column_stack([fast, shown[:, 0]])
+    alone = second_derivative(t, shown[:, :1])
+    assert second_derivative(t, beside)[:, 1:] == pytest.approx(alone, rel=1e-12)
