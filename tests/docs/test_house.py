@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 300,
-    "lines": 62_696,
+    "files": 301,
+    "lines": 63_085,
     "files of estimation": 48,
-    "lines of estimation": 11_530,
+    "lines of estimation": 11_529,
     "files with one user": 66,
     "imports below each other": 29,
     "numbers without a reason": 38,

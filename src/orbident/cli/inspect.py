@@ -84,10 +84,12 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
     from orbident.excitation.bound import bound_of
     from orbident.excitation.guarantee import proven
 
-    motion = oi.load_trajectory(trajectory).for_robot(robot)
+    motion = oi.load_trajectory(trajectory)
     fires = motion.environment is not None and motion.environment.thrusters
-    # What is proven of a floating motion does not hold where thrust acts.
-    table = None if fires else proven(robot, motion).base.table
+    # What is proven of a floating motion does not hold where thrust acts, or joints
+    # swing.
+    floats = not fires and not robot.passive
+    table = proven(robot, motion.for_robot(robot)).base.table if floats else None
     return bound_of(robot, motion, initial_momentum), table
 
 

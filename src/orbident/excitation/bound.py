@@ -24,12 +24,14 @@ from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
+    Problem,
     linear,
     problem_of,
     start_of,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
+from orbident.estimation.solution import Unknowns
 from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -40,7 +42,6 @@ from orbident.preprocessing.smoothing import smooth
 from orbident.preprocessing.wrenches import Wrenches, recorded_wrenches
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.joint_schema import require_measured
 from orbident.simulation.control_laws import thrust_columns
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating
@@ -78,7 +79,6 @@ def bound_of(
         InputError: the robot file has no noise of a sensor of the base, or the
             trajectory is not for the robot.
     """
-    require_measured(robot, "the bound of a motion")
     if not any(sensor.white_noise for sensor in robot.sensors.of_base.values()):
         raise InputError(
             f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
@@ -92,7 +92,10 @@ def bound_of(
     exact = replace(robot, sensors=declared.model_copy(update=ideal))
     recording = measure_truth(exact, motion.t, true).with_joints_of(robot)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
-    samples = _true_samples(motion, wrenches, _shares(motion, sensors))
+    # Nobody measures passive joints.
+    seen = [name not in robot.passive for name in robot.joint_names]
+    shown = motion._replace(q=motion.q * seen, qd=motion.qd * seen)
+    samples = _true_samples(robot, shown, wrenches, _shares(shown, sensors))
     problem = problem_of(robot, sets, samples, sensors)
     # Where nothing acts they are constant, and else those at the start.
     h_cm, v_cm = (np.atleast_2d(each)[0] for each in (motion.h_cm, motion.v_cm))
@@ -101,6 +104,8 @@ def bound_of(
     state = start_of(problem, samples, outside, sets.beta(robot.theta)).carried(
         np.array([each.place for each in unknown])
     )
+    if robot.passive:
+        state = _swinging(robot, motion, problem, state)
     rest = None
     if initial_momentum == "at-rest":
         h_rw = motion.qd_rw @ wheels_of(robot).A_rw.T
@@ -133,7 +138,7 @@ def _moved(
 ) -> tuple[FreeFloating | FreeFlying, Truth, Wrenches]:
     """The motion, and what thrusters give meanwhile."""
     thrusters = trajectory.environment.thrusters if trajectory.environment else {}
-    if not thrusters:
+    if not thrusters and not robot.passive:
         floating = float_along(robot, trajectory, rate)
         return floating, truth_of(robot, floating, trajectory.for_robot(robot)), ()
     exact = {
@@ -143,6 +148,18 @@ def _moved(
     flight = fly_along(robot, replace(trajectory, environment=alone), rate)
     pushes = Recording(flight.t, thrust_columns(alone, flight.t))
     return flight, truth_of_flight(flight), recorded_wrenches(robot, pushes, {})
+
+
+def _swinging(
+    robot: Robot, motion: FreeFloating | FreeFlying, problem: Problem, state: Unknowns
+) -> Unknowns:
+    """The state with passive joints where they are as intervals meet."""
+    rows = np.searchsorted(motion.t, problem.boundaries)
+    joints, local = problem.loose.corrected.astype(int), state.local.copy()
+    swings = [robot.joint_names[k] in robot.passive for k in joints]
+    corrections = [swings * x[rows][:, joints] for x in (motion.q, motion.qd)]
+    local[:, -2 * joints.size :] = np.hstack(corrections)
+    return state._replace(local=local)
 
 
 def _shares(motion: FreeFloating | FreeFlying, sensors: Sensors) -> tuple[float, ...]:
@@ -156,8 +173,14 @@ def _shares(motion: FreeFloating | FreeFlying, sensors: Sensors) -> tuple[float,
 
 
 def _true_samples(
-    motion: FreeFloating | FreeFlying, wrenches: Wrenches, shares: tuple[float, ...]
+    robot: Robot,
+    motion: FreeFloating | FreeFlying,
+    wrenches: Wrenches,
+    shares: tuple[float, ...],
 ) -> Samples:
+    # Their noise is that of the momentum that predicts the base rate.
+    wheels = robot.sensors.wheels
+    tachometers = Origin.MEASURED if wheels and wheels.tachometer else Origin(0)
     return Samples(
         t=motion.t,
         q=tuple(motion.q.T),
@@ -170,6 +193,6 @@ def _true_samples(
         surroundings={},
         locked=(),
         shares=shares,
-        origins={"wheel_speeds": Origin(0)},
+        origins={"wheel_speeds": tachometers},
         source="simulation",
     )

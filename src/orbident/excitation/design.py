@@ -129,7 +129,8 @@ def design_excitation(
     """
     _check(objective, starts, budget, uncertainty)
     began = time.perf_counter()
-    require_measured(robot, "the design of a motion")
+    rigid = "make it fixed in a copy of the model"
+    require_measured(robot, "the design of a motion", rigid)
     given = conditions or conditions_for(robot, duration, harmonics)
     if not robot.joints:
         _check_pulses(robot, given, objective, uncertainty, len(beside) + 1)

@@ -8,8 +8,9 @@ conservation predicts, to first order in `beta = [M, sigma, iota]`,
 
 A gyro sees `w`, an accelerometer the changes of `v_S`, a star tracker or motion capture
 the integral of `w`, and motion capture that of `v_S`; each with white noise and an
-unknown constant. Momenta and constants are eliminated, and so are what acts from
-outside and errors of instruments, whose columns are known to a deviation beforehand.
+unknown constant. Torques at joints are in `torque_changes`. Momenta and constants are
+eliminated, and so are what acts from outside and errors of instruments, whose columns
+are known to a deviation beforehand.
 """
 
 from collections.abc import Mapping
@@ -23,6 +24,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import rest_std
 from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.estimation.output_error.sensors import TORQUES, torque_column
 from orbident.estimation.unknowns import Unknown
 from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import (
@@ -36,9 +38,11 @@ from orbident.excitation.floating import (
 )
 from orbident.excitation.instrument_changes import InstrumentChanges
 from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
+from orbident.excitation.torque_changes import TorqueChanges
 from orbident.model.dependencies import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import driven_alone
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.sensor_schema import InertialSpec, SensorsSpec
 
@@ -65,6 +69,8 @@ class Sensing:
     """Whether anything may act from outside."""
     errors: tuple[Unknown, ...]
     """Of instruments and geometry, with their deviations beforehand."""
+    driven: tuple[int, ...]
+    """Joints whose torque is measured and counts."""
 
 
 def weights_of(sensors: SensorsSpec) -> dict[str, float]:
@@ -91,6 +97,10 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
             "or position; the objectives d, a and e need it: give it in the robot "
             "file, or use the objective cond"
         )
+    torques, driven = robot.sensors.torques, list[str]()
+    if torques and torques.white_noise and (driven := driven_alone(robot)):
+        weights[TORQUES] = robot.sensors.rows_per_second / torques.white_noise**2
+    shown = {*weights, *map(torque_column, driven)}
     dpi, dphi = sets.derivatives(sets.beta(robot.theta))
     unit = _unit(robot, sets, dpi, dphi)
     regressors = sets.regressors
@@ -102,7 +112,8 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
         regressors.momentum_axes,
         regressors.velocity_axes,
         anything_may_act(robot),
-        tuple(each for each in calibrations_of(robot, weights) if each.std),
+        tuple(each for each in calibrations_of(robot, shown) if each.std),
+        tuple(map(robot.joint_names.index, driven)),
     )
 
 
@@ -140,6 +151,10 @@ class SensedChanges:
         self.sensing, self.motion = sensing, motion
         self.outside = OutsideChanges(motion) if sensing.acting else None
         self.instruments = InstrumentChanges(sensing.errors, motion)
+        if sensing.driven:
+            self.torques = TorqueChanges(
+                sensing.driven, sensing.beta_of, motion, self.instruments
+            )
         u = sensing.pi_of.shape[1]
         self.errors = slice(u, u + len(sensing.errors))
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
@@ -175,6 +190,8 @@ class SensedChanges:
 
     def rows(self, sensor: str) -> Rows:
         """What one sensor sees, then of its own constants."""
+        if sensor == TORQUES:
+            return self.torques.rows(self.by_h)
         n, dt, axes = len(self.dw), self.motion.dt, self._axes(sensor)
         own, dw, dv = np.eye(self.R_v.shape[1]), self.dw, self.dv
         if sensor in ("gyro", "attitude"):
@@ -214,6 +231,9 @@ class SensedChanges:
         return whole
 
     def _add(self, f: Gradient, sensor: str, by_rows: Rows) -> None:
+        if sensor == TORQUES:
+            self._add_by_h(f, self.torques.add(f, by_rows, self.by_h))
+            return
         columns, dt, sensing = self.dw.shape[2], self.motion.dt, self.sensing
         by, by_own = by_rows[:, :, :columns], by_rows[:, :, columns:]
         if sensor != "accelerometer":
@@ -328,7 +348,8 @@ class Information:
         return np.linalg.inv(R)
 
     def _weight(self, sensor: str) -> float:
-        return self._seen.sensing.weights[sensor] * self._seen.motion.dt
+        at = self._seen.torques if sensor == TORQUES else self._seen.motion
+        return self._seen.sensing.weights[sensor] * at.dt
 
     def add(self, f: Gradient, by_F: Float[np.ndarray, "common common"]) -> None:
         """Adds the gradient, from that with respect to `F`."""

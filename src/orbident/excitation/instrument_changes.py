@@ -95,18 +95,20 @@ class InstrumentChanges:
     """Of `v_S`, base axes, m/s, where `w` is as it was."""
     dw: ByErrors
     """Of `w` beside, base axes, rad/s; `v_S` does not follow."""
+    elsewhere: list[JointsElsewhere]
+    """The motion where joints are elsewhere than they are shown."""
 
     def __init__(self, errors: tuple[Unknown, ...], motion: NodalMotion) -> None:
         """Of some errors of `calibrations_of`, along a motion at nodes."""
-        self._motion, robot = motion, motion.craft.robot
+        self._motion, robot, self.errors = motion, motion.craft.robot, errors
         self._places = [*_placed(robot, errors)]
         shape = len(motion.w), 3, len(errors)
         self.dh, self.dv_B, self.dw = np.zeros((3, *shape))
         self._h_B = rotate_back(
             motion.R, np.tile(motion.craft.h_cm, (len(motion.w), 1))
         )
-        self._elsewhere = [*self._joints_elsewhere()]
-        for at in self._elsewhere:
+        self.elsewhere = [*self._joints_elsewhere()]
+        for at in self.elsewhere:
             for (of, part), h, v in zip(at.errors, *_momenta(at), strict=True):
                 self.dh[:, :, of.column] += part * h
                 self.dv_B[:, :, of.column] += part * v
@@ -182,7 +184,7 @@ class InstrumentChanges:
     def add_momenta(self, f: Gradient, by_dh: ByErrors, by_dv_B: ByErrors) -> None:
         """Adds the gradient, from those with respect to `dh` and `dv_B`."""
         wheels = f.motion.craft.wheels
-        for at in self._elsewhere:
+        for at in self.elsewhere:
             by_h, by_v = (
                 np.concatenate([part * by[:, :, of.column] for of, part in at.errors])
                 for by in (by_dh, by_dv_B)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import FREE
 from orbident.excitation.conditions import Limits
 from orbident.excitation.criterion import (
     Basis,
@@ -113,8 +114,10 @@ def scores_of(
         deviations = np.concatenate([beta[:1], pi, phi])
         if sensing.acting:
             price = _growth(beta, replace(sensing, acting=False), seen)
-        if sensing.errors:
-            of_tolerances = _growth(beta, replace(sensing, errors=()), seen)
+        # What is free, as friction beside torques, has no tolerance.
+        free = tuple(each for each in sensing.errors if each.std == FREE)
+        if free != sensing.errors:
+            of_tolerances = _growth(beta, replace(sensing, errors=free), seen)
     return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),

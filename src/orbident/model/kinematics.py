@@ -183,3 +183,23 @@ def carried_inertia(robot: Robot, joint: int) -> Float[np.ndarray, " theta"]:
         by[i, 1:4] = 2 * np.cross(a, R.T) @ across
         by[i, 4:] = [(1 + (r != c)) * own[r] * own[c] for r, c in INERTIA_ENTRIES]
     return by.ravel()
+
+
+class Springs(NamedTuple):
+    """What holds joints that nobody drives: `tau = -k q - c qd`; zero of others."""
+
+    k: Float[np.ndarray, " joints"]
+    """N m/rad or N/m."""
+    c: Float[np.ndarray, " joints"]
+    """N m s/rad or N s/m."""
+
+
+def springs_on(robot: Robot) -> Springs:
+    """The springs and dampers of passive joints, with nominal inertia."""
+    springs = Springs(*np.zeros((2, len(robot.joints))))
+    for name, passive in robot.passive.items():
+        joint, rate = robot.joint_names.index(name), 2 * np.pi * passive.frequency
+        inertia = float(carried_inertia(robot, joint) @ robot.theta.ravel())
+        springs.k[joint] = rate**2 * inertia
+        springs.c[joint] = 2 * passive.damping * rate * inertia
+    return springs

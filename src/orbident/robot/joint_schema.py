@@ -99,6 +99,13 @@ def coupled_joints(robot: Robot) -> CoupledJoints:
     return CoupledJoints(free, lead[:, free], offset)
 
 
+def driven_alone(robot: Robot) -> list[str]:
+    """Joints that nothing but their own motor moves."""
+    bound = {name for each in robot.couplings for name in each[:2]}
+    others = {*bound, *robot.passive}
+    return [name for name in robot.joint_names if name not in others]
+
+
 def _alike(given: object) -> object:
     """Joints that are like another one have its numbers."""
     if not isinstance(given, dict):

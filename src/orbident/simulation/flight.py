@@ -14,10 +14,10 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import movable
+from orbident.model.kinematics import springs_on
 from orbident.model.regularity import check_regular
 from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
-from orbident.robot.joint_schema import require_measured
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.control_laws import (
     AttitudeHold,
@@ -118,7 +118,6 @@ def check_flight(
     """
     if robot.motion == "planar":
         check_plane(start.base)
-    require_measured(robot, "the simulator")
     check_regular(robot)
     _check_wheels(robot)
     check_pulses(robot, pulses, float(t[0]), float(t[-1]))
@@ -216,18 +215,22 @@ def vehicle_of(
     limits: WheelLimits | None,
     points: Sequence[WrenchPoint] = AT_S,
 ) -> _core.Vehicle:
-    """The robot with its laws; a law of another kind has zero gains."""
+    """The robot with its laws; a law of another kind has zero gains.
+
+    Passive joints are on their springs, whatever the law.
+    """
     K, W = len(robot.joints), len(robot.wheels)
     pd, speed = JointPD(np.zeros(K), np.zeros(K)), WheelSpeed(np.zeros(W), np.zeros(W))
     hold = AttitudeHold(0.0, 0.0, UNTURNED, np.zeros((W, 3)))
     pd = joints if isinstance(joints, JointPD) else pd
+    springs = springs_on(robot)
     speed = wheels if isinstance(wheels, WheelSpeed) else speed
     hold = wheels if isinstance(wheels, AttitudeHold) else hold
     unlimited = np.full(W, np.inf)
     limits = limits or WheelLimits(unlimited, unlimited)
     free = movable(robot).astype(float)
     if isinstance(joints, Driven):
-        free[6 : 6 + K] = 0.0
+        free[6 : 6 + K] = [name in robot.passive for name in robot.joint_names]
     if wheels is None:
         free[6 + K :] = wheels_of(robot).free
     computed = None
@@ -238,8 +241,8 @@ def vehicle_of(
     return _core.Vehicle(
         robot=core_robot(robot),
         free=free,
-        Kp=pd.Kp,
-        Kd=pd.Kd,
+        Kp=pd.Kp + springs.k,
+        Kd=pd.Kd + springs.c,
         k=speed.k,
         speed=speed.speed,
         share=hold.share,

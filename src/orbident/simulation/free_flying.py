@@ -11,7 +11,9 @@ from orbident.files.bounds import SHORTEST
 from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import require_measured
 from orbident.simulation.control_laws import (
+    Driven,
     JointLaw,
     Pulse,
     WheelLaw,
@@ -74,10 +76,13 @@ def free_flying(
     Raises:
         InputError: a planar robot starts out of its plane, the mass matrix is singular,
             the wheels are heavier than the base, a pulse cannot be flown, the
-            environment is not one of this robot, or no step is small enough.
+            environment is not one of this robot, joints are controlled and some are
+            passive, or no step is small enough.
     """
     environment = environment or Environment()
     pulses = (*pulses, *true_pulses(environment))
+    if not isinstance(joints, Driven):
+        require_measured(robot, "control of joints")
     check_flight(robot, t, start, pulses)
     outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]

@@ -180,8 +180,8 @@ def measure_truth(
 
     A sensor that the file does not declare has no columns, but joint positions are
     always there, exact where there are no encoders. Rates of joints and speeds of
-    wheels are there where the file declares a tachometer. Every sensor draws from a
-    stream of its own, so that none changes another's noise.
+    wheels are there where the file declares a tachometer. Nothing shows passive joints.
+    Every sensor draws from a stream of its own, so that none changes another's noise.
 
     Args:
         robot: with its sensors.
@@ -196,8 +196,11 @@ def measure_truth(
     """
     columns = {}
     if robot.sensors.joints is None:
-        names = (f"joint.{name}.position" for name in robot.joint_names)
-        columns = dict(zip(names, true.q.T, strict=True))
+        columns = {
+            f"joint.{name}.position": q
+            for name, q in zip(robot.joint_names, true.q.T, strict=True)
+            if name not in robot.passive
+        }
     for channel in _channels(robot, true):
         values = _measured(channel, t, seed)
         for k, component in enumerate(channel.components):
@@ -231,9 +234,11 @@ class Channel(NamedTuple):
 
 
 def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
-    sensors, names = robot.sensors, robot.joint_names
+    sensors = robot.sensors
+    at = [k for k, x in enumerate(robot.joint_names) if x not in robot.passive]
+    names = [robot.joint_names[k] for k in at]
     for key, encoder, owners, what, q, qd in (
-        ("joints", sensors.joints, names, "velocity", true.q, true.qd),
+        ("joints", sensors.joints, names, "velocity", true.q[:, at], true.qd[:, at]),
         ("wheels", sensors.wheels, robot.wheel_names, "speed", true.q_rw, true.qd_rw),
     ):
         if encoder is None:
@@ -250,7 +255,7 @@ def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
                 yield Channel(key, encoder, name, (what,), qd[:, [k]], read)
     torques, seen = sensors.torques, true.shown_torques(robot)
     if torques is not None and seen is not None:
-        for k, name in enumerate(names):
+        for k, name in zip(at, names, strict=True):
             constant = robot.torque_constants.get(name)
             # A joint with a torque constant shows its motor's current.
             what, unit = ("torque", 1.0) if constant is None else ("current", constant)

@@ -58,7 +58,8 @@ def simulate(
 
     Args:
         robot: with its nominal inertia.
-        trajectory: of the joints, with the initial state of base and wheels.
+        trajectory: of the joints, with the initial state of base and wheels; passive
+            joints begin at rest where their springs are.
         rate: samples per second; the robot file's by default, else 20 Hz.
         tolerance: of the attitude, rad.
         noise: `"none"` for ideal sensors of everything, `"sensors"` for those that the
@@ -127,9 +128,10 @@ def _moved_along(
     """The motion, and the columns of thrust and of directions."""
     environment = trajectory.environment
     if environment is None:
-        if robot.orbit is None:
+        # Momentum alone does not say how passive joints swing.
+        if robot.orbit is None and not robot.passive:
             return float_along(robot, trajectory, rate, tolerance), {}
-        environment = Environment(gravity_gradient=True)
+        environment = Environment(gravity_gradient=robot.orbit is not None)
     trajectory = replace(trajectory, environment=environment)
     flight = fly_along(robot, trajectory, rate, tolerance, seed)
     R_WB = Rotation.from_quat(flight.attitude).as_matrix()
@@ -156,6 +158,7 @@ def float_along(
             matrix is singular, the rate is not positive, or the base turns too fast
             for it.
     """
+    require_measured(robot, "momentum alone")
     trajectory, t, start = _task(robot, trajectory, rate)
     try:
         return free_floating(robot, trajectory, t, start, tolerance)
@@ -204,7 +207,6 @@ def _task(
     robot: Robot, trajectory: Trajectory, rate: float
 ) -> tuple[Trajectory, Float[np.ndarray, " n"], BaseState]:
     """The trajectory in the robot's order, sample times, and how the base starts."""
-    require_measured(robot, "the simulator")
     check_regular(robot)
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")
@@ -234,6 +236,8 @@ def motion_recording(robot: Robot, motion: FreeFloating | FreeFlying) -> Recordi
     """A motion as the columns of a recording."""
     columns = {}
     for k, name in enumerate(robot.joint_names):
+        if name in robot.passive:
+            continue
         columns[f"joint.{name}.position"] = motion.q[:, k]
         columns[f"joint.{name}.velocity"] = motion.qd[:, k]
     for k, name in enumerate(robot.wheel_names):

@@ -235,18 +235,26 @@ class Trajectory:
         """The same trajectory with its rows in the order of the robot's joints.
 
         A joint that it does not name and that follows another moves as the robot says.
+        A passive one is not driven: if it is named, it is held where its spring rests.
 
         Raises:
             InputError: A joint is missing or unknown, or a wheel is unknown.
         """
-        leaders = {name: (name, 1.0, 0.0) for name in self.joints}
+        table = np.hstack([self.a, self.b, self.start, self.end])
+        leaders = {
+            name: (name, 1.0, 0.0)
+            for name, moves in zip(self.joints, table.any(axis=1), strict=True)
+            if moves or name not in robot.passive
+        }
         for follower, leader, factor, offset in robot.couplings:
             if leader in self.joints:
                 leaders.setdefault(follower, (leader, factor, offset))
-        if set(leaders) != set(robot.joint_names):
+        driven = [name for name in robot.joint_names if name not in robot.passive]
+        if set(leaders) != set(driven):
+            beside = ", passive ones apart" if robot.passive else ""
             raise InputError(
                 f"{self.source}: joints: found {listed(self.joints)}, but robot "
-                f"'{robot.name}' has {listed(robot.joint_names)}; give each of them"
+                f"'{robot.name}' has {listed(driven)}{beside}; give each of them"
             )
         if not set(self.initial.wheel_speed) <= set(robot.wheel_names):
             raise InputError(
@@ -254,14 +262,16 @@ class Trajectory:
                 f"{listed(self.initial.wheel_speed)}, but robot '{robot.name}' has "
                 f"{listed(robot.wheel_names)}; name only wheels of the robot"
             )
-        lines = [leaders[name] for name in robot.joint_names]
-        rows = [self.joints.index(leader) for leader, _, _ in lines]
-        factors = np.array([factor for _, factor, _ in lines])[:, None]
+        offsets = np.zeros(len(robot.joints))
+        lead = np.zeros((offsets.size, len(self.joints)))
+        for name, (leader, factor, offset) in leaders.items():
+            k = robot.joint_names.index(name)
+            lead[k, self.joints.index(leader)], offsets[k] = factor, offset
         a, b, start, end = (
-            factors * table[rows] for table in (self.a, self.b, self.start, self.end)
+            lead @ each for each in (self.a, self.b, self.start, self.end)
         )
         for state in (start, end):
-            state[:, 0] += [offset for _, _, offset in lines]
+            state[:, 0] += offsets
         return replace(self, joints=robot.joint_names, a=a, b=b, start=start, end=end)
 
 

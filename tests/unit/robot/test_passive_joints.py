@@ -6,7 +6,6 @@ from urdf_texts import ARM
 
 from orbident.errors import InputError
 from orbident.estimation.weigh import weigh
-from orbident.excitation.bound import bound_of
 from orbident.excitation.design import design_excitation
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive
@@ -66,19 +65,34 @@ def test_a_follower_is_not_passive(load_yaml):
         load_yaml(f"passive: {{{RATE}}}}}", mimic)
 
 
-def test_what_takes_none_says_so(load_yaml, tmp_path):
+def test_what_takes_none_says_so(load_yaml):
     robot = load_yaml(f"passive: {{{RATE}}}}}")
-    path = tmp_path / "motion.yaml"
-    path.write_text(MOTION)
-    motion = load_trajectory(path)
     for asked in (
-        lambda: simulate(robot, motion),
         lambda: design_excitation(robot),
-        lambda: bound_of(robot, motion),
         lambda: weigh(robot, Recording(np.arange(3.0), {}, "burn.csv")),
     ):
         with pytest.raises(InputError, match="joint 'joint2' is passive, and the"):
             asked()
+
+
+def test_it_is_simulated_and_nothing_shows_it(load_yaml, tmp_path):
+    """A trajectory moves the others; the joint is what its spring lets it be."""
+    robot = load_yaml(f"passive: {{{RATE}}}}}\nsensors: {{torques: {{std: 0.1}}}}")
+    path = tmp_path / "motion.yaml"
+    path.write_text(MOTION)
+    with pytest.raises(InputError, match="has 'joint1', passive ones apart"):
+        simulate(robot, load_trajectory(path))
+    path.write_text(MOTION.replace(", joint2: {a: [0.05], b: [0.05]}", ""))
+    motion = load_trajectory(path)
+    ordered = motion.for_robot(robot)
+    assert np.array_equal(ordered.for_robot(robot).start, ordered.start)
+    for noise in ("none", "sensors"):
+        recording = simulate(robot, motion, noise=noise)
+        shown = [name for name in recording.columns if name.startswith("joint.joint2")]
+        assert shown == []
+        assert recording.with_joints_of(robot)
+    true = simulate(robot, motion, noise="sensors", truth=True)
+    assert true.column("truth.joint.joint2.position").any()
 
 
 def test_a_joint_is_passive_or_measured(load_yaml):

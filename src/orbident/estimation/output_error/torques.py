@@ -27,6 +27,7 @@ from orbident.estimation.unknowns import DRIVE, CalibrationFit, DriveFit
 from orbident.model.core_robot import friction_of, rotors_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import driven_alone
 
 STANDING = 1e-2
 """Part of its root mean square rate below which a joint counts as standing: its brake
@@ -112,10 +113,8 @@ def _that_count(
     robot: Robot, samples: Samples, torque: Float[np.ndarray, "n joints"]
 ) -> Bool[np.ndarray, " joints"]:
     """Joints whose torque is measured, and that nothing else moves or holds."""
-    bound = {name for each in robot.couplings for name in each[:2]}
-    others = {*bound, *robot.passive, *samples.locked}
-    free = np.array([name not in others for name in robot.joint_names])
-    return np.any(torque, axis=0) & free
+    free = {*driven_alone(robot)} - {*samples.locked}
+    return np.any(torque, axis=0) & [name in free for name in robot.joint_names]
 
 
 def joints_driven(
