@@ -31,6 +31,9 @@ class IndefiniteError(InputError):
 def check_regular(robot: Robot) -> None:
     """Refuse a robot whose nominal mass matrix is singular.
 
+    Measured joints move whatever swings behind them, so that those and passive ones are
+    judged apart.
+
     Raises:
         InputError: some motion of base and joints moves no mass at all.
     """
@@ -42,14 +45,19 @@ def check_regular(robot: Robot) -> None:
     base, carried = _sizes(robot, q)
     sizes = np.concatenate([np.full(len(free), base), carried])
     scale = np.abs(np.diag(H))
-    still = scale <= SINGULAR * sizes
+    # Without any mass nothing is a number.
+    still = ~(scale > SINGULAR * sizes)
     if still.any():
         _refuse_nominal(robot, names[int(still.argmax())])
     unit = H / np.sqrt(np.outer(scale, scale))
-    values, vectors = np.linalg.eigh(unit)
-    smallest = int(np.abs(values).argmin())
-    if abs(values[smallest]) <= SINGULAR:
-        _refuse_nominal(robot, names[int(np.abs(vectors[:, smallest]).argmax())])
+    swings = [name in robot.passive for name in robot.joint_names]
+    for others in (False, True):
+        of = np.flatnonzero([True] * len(free) + [each is others for each in swings])
+        values, vectors = np.linalg.eigh(unit[np.ix_(of, of)])
+        smallest = int(np.abs(values).argmin())
+        if abs(values[smallest]) <= SINGULAR:
+            who = of[np.abs(vectors[:, smallest]).argmax()]
+            _refuse_nominal(robot, names[who])
 
 
 def _sizes(
