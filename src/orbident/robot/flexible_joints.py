@@ -11,7 +11,6 @@ from typing import Any
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.robot.joint_schema import NONE
 
 TURNING = ("revolute", "continuous")
 """The kinds of joints that may give way."""
@@ -33,9 +32,8 @@ def with_flexible_joints(
         place: the robot file's name, for messages.
 
     Raises:
-        InputError: a flexible joint does not turn, is passive too, or has a rotor.
+        InputError: a flexible joint does not turn, or is passive too.
     """
-    flexible, rotors = document["flexible"], document.get("rotors", NONE)
     root = ET.fromstring(
         urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
     )
@@ -46,7 +44,7 @@ def with_flexible_joints(
     }
     passive = dict(document.get("passive", {}))
     structure = dict(document.get("structure", {}))
-    for name, spring in flexible.items():
+    for name, spring in document["flexible"].items():
         if name not in joints:
             raise InputError(
                 f"{place}: flexible: no joint {name!r} that turns; "
@@ -56,11 +54,6 @@ def with_flexible_joints(
             raise InputError(
                 f"{place}: flexible.{name}: the joint is passive, and a flexible one "
                 "is measured on its motor's side; leave out one"
-            )
-        if rotors != NONE and rotors.get(name, NONE) != NONE:
-            raise InputError(
-                f"{place}: flexible.{name}: what a declared rotor adds between motor "
-                "and spring is not in the equations; leave out one"
             )
         like = {"like": flexibility(spring["like"])} if "like" in spring else {}
         passive[flexibility(name)] = {**spring, **like}
