@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 300,
-    "lines": 62_614,
+    "files": 301,
+    "lines": 62_775,
     "files of estimation": 48,
-    "lines of estimation": 11_530,
-    "files with one user": 66,
+    "lines of estimation": 11_559,
+    "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,
 }
