@@ -150,7 +150,7 @@ def check_passive(
 
 
 def require_measured(
-    robot: Robot, what: str, instead: str = "leave out 'passive'"
+    robot: Robot, what: str, instead: str = "leave out 'passive' or 'flexible'"
 ) -> None:
     """Refuse a robot with joints that nobody measures.
 
