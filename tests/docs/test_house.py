@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 301,
-    "lines": 63_085,
+    "files": 302,
+    "lines": 63_247,
     "files of estimation": 48,
-    "lines of estimation": 11_529,
+    "lines of estimation": 11_558,
     "files with one user": 66,
     "imports below each other": 29,
     "numbers without a reason": 38,

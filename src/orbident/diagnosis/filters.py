@@ -36,6 +36,7 @@ LEAST = 4.0
 """Samples of which a mean is told from noise, and means of a recording."""
 
 TINY = 1e-300
+"""Less noise than any."""
 
 Slopes = tuple[Float[np.ndarray, "n axes"], Float[np.ndarray, "n axes"]]
 """The first and the second derivative by time."""

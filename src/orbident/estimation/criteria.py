@@ -1,6 +1,6 @@
 """May the numbers be trusted? Every rule of acceptance is one check."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from itertools import combinations
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ from orbident.estimation.recursive.history import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.estimation.unknowns import SpringFit
 from orbident.files.names import joined, listed
-from orbident.robot.description import Passive
+from orbident.robot.description import Passive, Robot
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
@@ -84,7 +84,12 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_agreement(solved),
             *mass_checks(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
-            *what_swings(robot.passive, estimate.springs, estimate.carried),
+            *what_swings(
+                robot.passive,
+                estimate.springs,
+                estimate.carried,
+                turned_by(robot, problem.samples.locked),
+            ),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_thrusters(shown or estimate),
@@ -159,20 +164,40 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
         yield Check("changes", "with care", words)
 
 
+def turned_by(robot: Robot, locked: Collection[str]) -> dict[str, str]:
+    """The measured joint that turns a passive one about its own axis, by the latter.
+
+    Args:
+        robot: with its passive joints.
+        locked: names of joints that did not move.
+    """
+    found = {}
+    for joint in robot.joints:
+        before = robot.joints[joint.parent - 1]
+        along = abs(before.axis @ joint.R_PJ @ joint.axis)
+        if joint.name in robot.passive and joint.parent and np.isclose(along, 1.0):
+            found[joint.name] = before.name
+    still = {*robot.passive, *locked}
+    return {name: motor for name, motor in found.items() if motor not in still}
+
+
 def what_swings(
     passive: Mapping[str, Passive],
     springs: Mapping[str, SpringFit],
     carried: ChiSquare,
+    turned: Mapping[str, str],
 ) -> Iterator[Check]:
     """Whether passive joints carry what they may, and no two of them swing alike.
 
     What tells the parameters of two apart that do shows in second order, and deviations
-    are of first order; those of one make are alike beforehand.
+    are of first order; those of one make are alike beforehand, and what two motors turn
+    is told apart by how these move.
 
     Args:
         passive: the joints, as the robot file has them.
         springs: how they were found to swing.
         carried: how far what they carry is from what was known of it beforehand.
+        turned: see `turned_by`.
     """
     if carried.is_no_chance("other parameters"):
         yield Check(
@@ -185,11 +210,12 @@ def what_swings(
         )
     for one, other in combinations(springs, 2):
         of_one_make = len({passive[name].like or name for name in (one, other)}) == 1
+        two_motors = len({None, turned.get(one), turned.get(other)}) == 3
         fits = springs[one], springs[other]
         apart = abs(np.log(fits[0].frequency / fits[1].frequency))
         std = sum(fit.frequency_std / fit.frequency for fit in fits)
         enough = max(ALIKE_SPRINGS, SURELY_APART * std)
-        if apart < enough and not of_one_make:
+        if apart < enough and not (of_one_make or two_motors):
             yield Check(
                 "alike springs",
                 "do not trust",

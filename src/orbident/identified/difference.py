@@ -224,4 +224,5 @@ def _known(
     return Structure(
         com_on_axis=None if None in axes else a.com_on_axis,
         principal_axes=a.principal_axes and b.principal_axes,
+        massless=a.massless and b.massless,
     )

@@ -325,9 +325,13 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
         NoBodiesError: no bodies that can exist have the identified parameters within
             their 95 % region.
         InputError: the result is rejected or not complete, the robot was not loaded
-            from a URDF, or cvxpy is not installed.
+            from a URDF, a simulator's body has no mass, or cvxpy is not installed.
     """
     robot = result.robot
+    massless = [body for body, each in robot.structure.items() if each.massless]
+    if massless and not without_rotors:
+        none = f"simulators have no bodies without mass, such as '{massless[0]}'"
+        raise InputError(f"{robot.name}: {none}; export a .urdf")
     wheels = wheel_bodies(robot)
     apart, covariance = parts_of_base(robot, wheels), result.base_covariance
     geared = theta_with_rotors(robot) - robot.theta

@@ -29,7 +29,7 @@ from orbident.model.reconstruction import (
     reconstructed,
     root_of,
 )
-from orbident.robot.description import Robot
+from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
@@ -215,10 +215,17 @@ def _equations(
     beta: Float[np.ndarray, " beta"],
     apart: Float[np.ndarray, "bodies 10"],
 ) -> _Equations:
-    """`T theta = beta`, and zeros where `structure` has them."""
-    zero = np.delete(np.eye(robot.theta.size), robot.free_parameters, axis=0)
-    C = np.vstack([minimal_sets(robot).base.T, zero])
+    """`T theta = beta`, and zeros where `structure` has them.
+
+    Bodies that are known to be massless are none.
+    """
+    known = (robot.structure.get(body, Structure()) for body in robot.bodies)
+    exist = np.array([not each.massless for each in known])
     theta_of_X = _theta_of_X(_nominal(robot, theta_with_rotors(robot) - apart))
+    theta_of_X = theta_of_X[:, np.repeat(exist, 16)]
+    zero = np.delete(np.eye(robot.theta.size), robot.free_parameters, axis=0)
+    zero = zero[zero @ np.repeat(exist, PER_BODY) > 0]
+    C = np.vstack([minimal_sets(robot).base.T, zero])
     A = C @ theta_of_X
     b = np.concatenate([beta, np.zeros(len(zero))]) - C @ apart.ravel()
     scale = np.linalg.norm(A, axis=1)

@@ -31,6 +31,9 @@ class IndefiniteError(InputError):
 def check_regular(robot: Robot) -> None:
     """Refuse a robot whose nominal mass matrix is singular.
 
+    Measured joints move whatever swings behind them, so that those and passive ones are
+    judged apart.
+
     Raises:
         InputError: some motion of base and joints moves no mass at all.
     """
@@ -42,14 +45,19 @@ def check_regular(robot: Robot) -> None:
     base, carried = _sizes(robot, q)
     sizes = np.concatenate([np.full(len(free), base), carried])
     scale = np.abs(np.diag(H))
-    still = scale <= SINGULAR * sizes
+    # Without any mass nothing is a number.
+    still = ~(scale > SINGULAR * sizes)
     if still.any():
         _refuse_nominal(robot, names[int(still.argmax())])
     unit = H / np.sqrt(np.outer(scale, scale))
-    values, vectors = np.linalg.eigh(unit)
-    smallest = int(np.abs(values).argmin())
-    if abs(values[smallest]) <= SINGULAR:
-        _refuse_nominal(robot, names[int(np.abs(vectors[:, smallest]).argmax())])
+    swings = np.isin(robot.joint_names, [*robot.passive])
+    for joints in (~swings, swings):
+        of = np.flatnonzero([*np.ones_like(free, bool), *joints])
+        values, vectors = np.linalg.eigh(unit[np.ix_(of, of)])
+        smallest = int(np.abs(values).argmin())
+        if abs(values[smallest]) <= SINGULAR:
+            who = of[np.abs(vectors[:, smallest]).argmax()]
+            _refuse_nominal(robot, names[who])
 
 
 def _sizes(
@@ -77,6 +85,7 @@ def check_definite(robot: Robot) -> None:
 
     Raises:
         IndefiniteError: somewhere it is not positive definite.
+        InputError: nor can it be, as a body between two joints has no mass.
     """
     may, q = movable(robot), _configurations(robot)
     H, _, _ = equations_of_motion(robot, q, np.zeros((len(q), may.size)))
@@ -105,6 +114,11 @@ def _configurations(robot: Robot) -> Float[np.ndarray, "n joints"]:
 def _refuse_identified(
     robot: Robot, who: str, q: Float[np.ndarray, " joints"]
 ) -> NoReturn:
+    if any(each.massless for each in robot.structure.values()):
+        raise InputError(
+            f"{robot.name}: {who} can turn or slide without moving any mass, as behind "
+            "the motor of a flexible joint: there is no H+ of such a robot"
+        )
     at = joined(f"{x:.3g}" for x in q)
     raise IndefiniteError(
         f"{robot.name}: with the identified parameters H+ is singular or indefinite at "

@@ -277,9 +277,13 @@ class Structure:
     """The CM lies on this axis of the body frame."""
     principal_axes: bool = False
     """The inertia has no products in body axes."""
+    massless: bool = False
+    """It only carries joints."""
 
     def zero_parameters(self) -> frozenset[str]:
         """The symbols of `theta_i` that this knowledge makes zero."""
+        if self.massless:
+            return frozenset(SYMBOLS)
         zero = set()
         if self.com_on_axis is not None:
             zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}

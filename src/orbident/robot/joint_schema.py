@@ -157,7 +157,7 @@ def check_passive(
 
 
 def require_measured(
-    robot: Robot, what: str, instead: str = "leave out 'passive'"
+    robot: Robot, what: str, instead: str = "leave out 'passive' or 'flexible'"
 ) -> None:
     """Refuse a robot with joints that nobody measures.
 
@@ -205,8 +205,8 @@ def rotors_by_joint(
     """The rotors of a robot's joints, all of them where the file says `none`.
 
     Raises:
-        InputError: the joint slides, or a rotor has another axis than those of a body
-            whose products of inertia are known to be zero.
+        InputError: the joint slides, or a rotor is beside a massless body, or has
+            another axis than those of a body without products of inertia.
     """
     if given == {EVERY: NO_ROTOR}:
         return dict.fromkeys([joint.name for joint in joints], NO_ROTOR)
@@ -220,8 +220,14 @@ def rotors_by_joint(
             )
         axes = {at[name] + 1: joint.axis, joint.parent: joint.R_PJ @ joint.axis}
         for body, a in axes.items():
-            known = structure.get(bodies[body], Structure()).principal_axes
-            if known and rotor != NO_ROTOR and np.abs(a).max() < 1 - ALONG:
+            known = structure.get(bodies[body], Structure())
+            if known.massless and rotor != NO_ROTOR:
+                raise InputError(
+                    f"{place}: rotors.{name}: '{bodies[body]}' is massless, so that "
+                    "what the rotor adds to momentum has no place; leave out one"
+                )
+            off_axis = np.abs(a).max() < 1 - ALONG
+            if known.principal_axes and rotor != NO_ROTOR and off_axis:
                 raise InputError(
                     f"{place}: rotors.{name}: its axis is none of '{bodies[body]}', so "
                     f"that momentum shows products of inertia: leave principal_axes "

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from jaxtyping import Float
 
+from orbident.errors import InputError
 from orbident.files.names import listed
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import (
@@ -108,10 +109,19 @@ def contradictions(
     theta: Float[np.ndarray, "bodies 10"],
     structure: Mapping[str, Structure],
 ) -> tuple[str, ...]:
-    """One sentence for each body and kind of knowledge that theta contradicts."""
+    """One sentence for each body and kind of knowledge that theta contradicts.
+
+    Raises:
+        InputError: a body that is said to be massless is none.
+    """
     warnings = []
     for body, theta_i in zip(bodies, theta, strict=True):
         known = structure.get(body, Structure())
+        if known.massless and (theta_i.any() or body == bodies[0]):
+            raise InputError(
+                f"structure: {body}: massless, but it is the base or has a nominal "
+                "mass or inertia; leave out one"
+            )
         if known.com_on_axis is not None and _com_off_axis(theta_i, known):
             com = theta_i[FIRST_MOMENT] / (theta_i[MASS] or 1.0)
             warnings.append(
@@ -196,7 +206,7 @@ def _run(robot: Robot) -> list[str]:
 def _massless(robot: Robot) -> list[str]:
     names = [
         body for body, theta in zip(robot.bodies, robot.theta, strict=True)
-        if not theta.any()
+        if not (theta.any() or robot.structure.get(body, Structure()).massless)
     ]  # fmt: skip
     if not names:
         return []

@@ -24,6 +24,7 @@ from orbident.robot.description import (
     Robot,
     Wheel,
 )
+from orbident.robot.flexible_joints import with_flexible_joints
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.joint_schema import (
@@ -38,7 +39,7 @@ from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tolerances import EVERY
 from orbident.robot.tree import LinkTree, link_tree
-from orbident.robot.urdf import Urdf
+from orbident.robot.urdf import Urdf, read_urdf
 
 
 def assembled(
@@ -355,7 +356,11 @@ def _described(document: dict[Any, Any], path: Path, place: str) -> Robot:
     """The robot of a document; files that it names are relative to its path."""
     file = validated(RobotFile, document, place)
     orbit = file.orbit.in_si(path.parent) if file.orbit else None
-    return assembled(file, document, *_bodies(file, path, place), place, orbit)
+    urdf, text = _bodies(file, path, place)
+    if file.flexible:
+        document, text = with_flexible_joints(document, text, place)
+        file, urdf = validated(RobotFile, document, place), read_urdf(text, urdf.place)
+    return assembled(file, document, urdf, text, place, orbit)
 
 
 def _bodies(file: RobotFile, path: Path, place: str) -> tuple[Urdf, str]:

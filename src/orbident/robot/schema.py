@@ -289,6 +289,7 @@ class RobotFile(MappingSchema):
     disturbances: Annotated[dict[str, MayAct] | None, PlainValidator(may_act)] = None
     momentum_walk: Annotated[MomentumWalk, keys_of(MomentumWalk)] = MomentumWalk()
     passive: PassiveSection = Field(default_factory=dict)
+    flexible: PassiveSection = Field(default_factory=dict)
     at_rest: Stillness = AtRest()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)

@@ -7,14 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_results import REFUSED
+from made_results import REFUSED, exact_result
 from random_motions import random_motion
 from servicer import load_servicer
 
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.identified.exported_robot import exported_urdf, wheel_parts
+from orbident.identified.exported_robot import (
+    exported_robot,
+    exported_urdf,
+    wheel_parts,
+)
 from orbident.identified.physical import PhysicalBodies, physical_bodies
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -196,3 +200,24 @@ def test_dynamics_where_no_mechanism_has_the_parameters(found: Result):
     assert np.linalg.norm(moved / open_) == pytest.approx(near.moved, rel=0.01)
     with pytest.raises(InputError, match="singular or indefinite"):
         with_base(found, beta, sure).dynamics()
+
+
+def test_a_joint_that_gives_way(tmp_path):
+    """The body between motor and spring is none, and there is no H+ without a rotor."""
+    arm = "{parent: base, joint: elbow, axis: [0, 0, 1], mass: 4, inertia: [1, 1, 1]}"
+    path = tmp_path / "arm.yaml"
+    path.write_text(
+        "schema: orbident/robot/1\n"
+        f"bodies: {{base: {{mass: 9, inertia: [1, 1, 1]}}, arm: {arm}}}\n"
+        "flexible: {elbow: {frequency: 3 Hz}}"
+    )
+    robot = load_robot(path)
+    result = exact_result(robot)
+    made = exported_robot(result, without_rotors=True).robot
+    assert not made.theta[1].any()
+    assert smallest_eigenvalue(made.theta[2]) > 0
+    assert beta_error(robot, made.theta, result.base.values) < 1e-9
+    with pytest.raises(InputError, match="such as 'elbow's motor'; export a"):
+        exported_robot(result)
+    with pytest.raises(InputError, match="can turn or slide without moving any"):
+        result.dynamics()

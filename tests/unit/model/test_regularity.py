@@ -6,7 +6,7 @@ from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.errors import InputError
 from orbident.model.regularity import check_regular
-from orbident.robot.description import Robot
+from orbident.robot.description import Passive, Robot
 from orbident.robot.robot_file import bundled_robots, load_robot
 
 
@@ -60,3 +60,21 @@ def test_two_joints_about_one_axis_are_refused():
     robot = without_mass(replace(robot, joints=(first, second)), 1)
     with pytest.raises(InputError, match=r"joint 'joint[12]' can turn"):
         check_regular(robot)
+
+
+def test_a_spring_behind_a_measured_joint_is_regular():
+    """The same, where one of them is moved, whatever the other does."""
+    robot = random_robot(0, (0, 1))
+    first, second = robot.joints
+    second = replace(second, axis=first.axis, R_PJ=np.eye(3), p_PJ=np.zeros(3))
+    robot = without_mass(replace(robot, joints=(first, second)), 1)
+    robot = replace(robot, passive={second.name: Passive(1.0)})
+    check_regular(robot)
+    with pytest.raises(InputError, match=r"joint 'joint[12]' can turn"):
+        check_regular(without_mass(robot, 1, 2))
+
+
+def test_a_robot_without_mass_is_refused():
+    robot = random_robot(0, (0, 1))
+    with pytest.raises(InputError, match="the mass matrix is singular"):
+        check_regular(without_mass(robot, 0, 1, 2))

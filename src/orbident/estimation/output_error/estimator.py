@@ -178,10 +178,11 @@ class OutputError:
         if self.others is not None:
             beta = self.others.beta
             prior = with_others(prior, self.others, equations.declared)
+        by_cad = sets.beta(robot.theta)
         # Linear fits are poor where a velocity is noisier than the motion.
         starts = [
             walked(equations, start_of(equations, samples, outside, at))
-            for at in (beta, sets.beta(robot.theta))
+            for at in ([by_cad] if np.array_equal(beta, by_cad) else [beta, by_cad])
         ]
         if robot.passive:
             parts = [following(unexplained) for unexplained in LOOSE]
@@ -242,13 +243,15 @@ def _driven(robot: Robot, equations: Problem) -> tuple[str, ...]:
 
 
 def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
-    """A first `beta` by the linear fits; these know nothing of thrust: then by CAD.
+    """A first `beta` by the linear fits; or by CAD, where these know too little.
 
-    So it is where torques alone say how large it is.
+    They know nothing of thrust, nor of what swings, which makes them bodies that cannot
+    exist. So it is where torques alone say how large it is.
     """
-    if problem.samples.unknown_thrust or not problem.scale_seen:
-        return problem.sets.beta(problem.robot.theta)
-    return beta_of_fits(problem.robot, problem.sets, problem.fits).values
+    robot = problem.robot
+    if problem.samples.unknown_thrust or robot.passive or not problem.scale_seen:
+        return problem.sets.beta(robot.theta)
+    return beta_of_fits(robot, problem.sets, problem.fits).values
 
 
 def check_disturbances_show(problem: Problem) -> None:
