@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 63_247,
+    "lines": 63_242,
     "files of estimation": 48,
     "lines of estimation": 11_558,
     "files with one user": 66,

@@ -55,12 +55,9 @@ FAR = 4.5
 
 def check_equation(robot: Robot, t: np.ndarray, true: Truth) -> None:
     """`p(t) - p(0)` is the integral of `dT/dq + tau`."""
-    theta, joints = robot.theta.ravel(), len(robot.joints)
-    table = np.array(
-        [
-            _core.joint_momenta(core_tree(robot), np.eye(theta.size), theta, q, qd, w)
-            for q, qd, w in zip(true.q, true.qd, true.gyro, strict=True)
-        ]
+    joints, theta = len(robot.joints), np.tile(robot.theta.ravel(), (t.size, 1))
+    table = _core.joint_momenta(
+        core_tree(robot), np.eye(theta.shape[1]), theta, true.q, true.qd, true.gyro
     )[:, 3:, 0]
     p, e = table[:, :joints], table[:, joints:]
     assert true.tau is not None

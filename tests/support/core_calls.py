@@ -117,7 +117,7 @@ def _rigid_bodies(
     make("equations_of_motion", made, q, v, THREADS)
     make("deviations", made, draw((2, K + 1, 10)), q, v, THREADS)
     make("momentum_terms", tree, draw((thetas, 4)), draw(4), q[0], qd[0], qd[1])
-    make("joint_momenta", tree, draw((thetas, 4)), draw(4), q[0], qd[0], w[0])
+    make("joint_momenta", tree, draw((thetas, 4)), draw((n, 4)), q, qd, w)
     make("floating_laws", made, q, qd, zero, np.ones(3), False, THREADS)
     nodes = 4 * (n - 1) + 1
     E, b, h = np.tile(np.eye(3), (nodes, 1, 1)), draw((nodes, 3)), np.ones((nodes, 3))

@@ -99,22 +99,28 @@ auto joint_momenta_of(const OwnedTree& owned, const Array& theta_of_, const Arra
   const std::int64_t K = tree.joints, B = tree.bodies();
   const auto dense = input<2>("theta_of", theta_of_, {PER_BODY * B, ANY});
   const OwnedSparse theta_of = sparse(dense);
-  const auto beta = input<1>("beta", beta_, {dense.size(1)});
-  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}), w = input<1>("w", w_, {3});
+  const auto beta = input<2>("beta", beta_, {ANY, dense.size(1)});
+  const std::int64_t states = beta.size(0), numbers = beta.size(1), rows = 3 + 2 * K;
+  const auto q = input<2>("q", q_, {states, K}), qd = input<2>("qd", qd_, {states, K}),
+             w = input<2>("w", w_, {states, 3});
   const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> of(
       dense.data(), dense.size(0), dense.size(1));
-  const Eigen::VectorXd theta = of * Eigen::Map<const Eigen::VectorXd>(beta.data(), beta.size(0));
-  const DirectionPlaces places{static_cast<int>(K), static_cast<int>(beta.size(0)), 0};
+  const DirectionPlaces places{static_cast<int>(K), static_cast<int>(numbers), 0};
   OwnedJointMomenta memory(tree, places.count());
-  differentiate_joint_momenta(tree, theta_of.view(), theta.data(), q.data(), qd.data(),
-                              Vector3<double>(w.data()), places, nullptr, nullptr, memory.at);
-  Out<2> table(3 + 2 * K, 1 + places.count());
-  for (std::int64_t k = 0; k < 3 + 2 * K; ++k) {
-    double* row = table.data() + k * (1 + places.count());
-    row[0] = memory.at.values[k];
-    std::copy_n(memory.at.slopes + k * places.count(), places.count(), row + 1);
+  Out<3> tables(states, rows, 1 + places.count());
+  double* row = tables.data();
+  for (std::int64_t n = 0; n < states; ++n) {
+    const Eigen::VectorXd theta =
+        of * Eigen::Map<const Eigen::VectorXd>(beta.data() + n * numbers, numbers);
+    differentiate_joint_momenta(tree, theta_of.view(), theta.data(), q.data() + n * K,
+                                qd.data() + n * K, Vector3<double>(w.data() + 3 * n), places,
+                                nullptr, nullptr, memory.at);
+    for (std::int64_t k = 0; k < rows; ++k, row += 1 + places.count()) {
+      row[0] = memory.at.values[k];
+      std::copy_n(memory.at.slopes + k * places.count(), places.count(), row + 1);
+    }
   }
-  return table.give();
+  return tables.give();
 }
 
 auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
@@ -170,8 +176,8 @@ void bind_output_error(nb::module_& m) {
         "D (xx, xy, xz, yy, yz, zz), D_q qd, r_cm, J_cm qd: values, rates, by q, qd and beta.");
   m.def("joint_momenta", &joint_momenta_of, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("w"),
-        "Momentum of all bodies, momenta of the joints and slopes of the energy by q: values, by "
-        "w, qd, q and beta.");
+        "Momentum of all bodies, momenta of the joints and slopes of the energy by q, at some "
+        "states: values, by w, qd, q and beta.");
   m.def("boundaries", &boundaries_of, nb::arg("links"), nb::arg("z"), nb::arg("g"),
         "The unknowns of every boundary, from those of the meeting one and the common ones.");
 }

@@ -190,13 +190,8 @@ class TorqueChanges:
         qd: Float[np.ndarray, "n joints"],
         w: Float[np.ndarray, "n 3"],
     ) -> JointMomenta:
-        tree, joints = core_tree(robot), np.array(self._joints)
-        tables = np.array(
-            [
-                _core.joint_momenta(tree, self._theta_of, *state)
-                for state in zip(beta, q, qd, w, strict=True)
-            ]
-        )
+        joints = np.array(self._joints)
+        tables = _core.joint_momenta(core_tree(robot), self._theta_of, beta, q, qd, w)
         K = q.shape[1]
         tables = tables[:, 3 + np.concatenate([joints, K + joints])]
         by_w, by_qd, by_q, by_beta = np.split(

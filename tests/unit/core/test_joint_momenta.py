@@ -48,9 +48,8 @@ def test_momenta_and_slopes_of_the_energy(seed: int, joints: int, slides: int):
     w = random.standard_normal(3)
 
     def found(q: np.ndarray, qd: np.ndarray, w: np.ndarray, theta: np.ndarray):
-        return _core.joint_momenta(
-            core_tree(robot), np.eye(theta.size), theta, q, qd, w
-        )
+        at = (theta[None], q[None], qd[None], w[None])
+        return _core.joint_momenta(core_tree(robot), np.eye(theta.size), *at)[0]
 
     theta = robot.theta.ravel()
     table = found(q, qd, w, theta)
