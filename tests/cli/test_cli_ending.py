@@ -187,10 +187,10 @@ def address_of(process) -> dict[str, str]:
 def test_an_internal_error_is_no_untrusted_result(
     orbident: Orbident, monkeypatch: pytest.MonkeyPatch, error: Exception
 ):
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr(output, "Output", fail)
+    monkeypatch.setattr(output.Output, "__init__", fail)
     ran = orbident("robots")
     assert ran.status == 70
     kind = type(error).__name__
