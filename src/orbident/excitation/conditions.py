@@ -18,7 +18,7 @@ from orbident.excitation.table_points import (
 from orbident.files.bounds import LARGEST, SHORTEST, SMALLEST
 from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
-from orbident.robot.joint_schema import coupled_joints
+from orbident.robot.joint_schema import coupled_joints, require_measured
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 INFINITE = float("inf")
@@ -124,9 +124,9 @@ def limits_of(
             robot without joints.
 
     Raises:
-        InputError: the robot has neither joints nor thrusters, a joint has no velocity
-            limit, a limit is not above zero, those of joints that follow leave no
-            motion, or the robot is on no table.
+        InputError: the robot has neither joints nor thrusters, a joint is passive or
+            has no velocity limit, a limit is not above zero, those of joints that
+            follow leave no motion, or the robot is on no table.
     """
     if not robot.joints and not robot.thrusters:
         raise InputError(
@@ -138,6 +138,8 @@ def limits_of(
             "impulse limit: thrusters are fired only where a robot has no joints; "
             "leave the limit out"
         )
+    rigid = "make it fixed in a copy of the model, or leave out 'flexible'"
+    require_measured(robot, "the design of a motion", rigid)
     for joint in (robot.joints[k] for k in coupled_joints(robot).free):
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
             raise InputError(

@@ -28,7 +28,7 @@ from orbident.excitation.thruster_pulses import design_pulses
 from orbident.files.json_parts import nulled
 from orbident.files.names import listed
 from orbident.robot.description import Robot
-from orbident.robot.joint_schema import coupled_joints, require_measured
+from orbident.robot.joint_schema import coupled_joints
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
@@ -129,8 +129,6 @@ def design_excitation(
     """
     _check(objective, starts, budget, uncertainty)
     began = time.perf_counter()
-    rigid = "make it fixed in a copy of the model"
-    require_measured(robot, "the design of a motion", rigid)
     given = conditions or conditions_for(robot, duration, harmonics)
     if not robot.joints:
         _check_pulses(robot, given, objective, uncertainty, len(beside) + 1)
