@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 302,
-    "lines": 63_242,
+    "files": 303,
+    "lines": 63_446,
     "files of estimation": 48,
-    "lines of estimation": 11_558,
-    "files with one user": 66,
+    "lines of estimation": 11_561,
+    "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,
 }

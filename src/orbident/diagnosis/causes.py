@@ -28,6 +28,7 @@ from orbident.diagnosis.noisier_sensors import (
     spikes,
 )
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
+from orbident.diagnosis.rings import ring_of
 from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import Scores
@@ -183,11 +184,27 @@ def _by_trials(
     if _fits(solved.problem, shown):
         # Nothing is left to explain: the numbers themselves say what is wrong.
         return
+    ring = ring_of(shown.signals)
+    if ring is not None:
+        # What is left rings, so it is no event, nor what explains some of it.
+        yield _found(ring.reason, ring.remedy)
+        return
+    # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
+    problem = corrected.recorded if corrected else solved.problem
+    yield from _unexplained(problem, shown, best, before, end)
+
+
+def _unexplained(
+    problem: MomentumProblem,
+    shown: Estimate,
+    best: Trial | None,
+    before: float,
+    end: float,
+) -> Iterator[Check]:
+    """What may have happened, or explains most, where no trial is accepted."""
     falls = before - best.misfit if best else -np.inf
     # Then no event is left to explain, though the residuals may not be white.
     shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
-    # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
-    problem = corrected.recorded if corrected else solved.problem
     ended = process_time() > end
     happened = None if shrunk else event(problem)
     more = f"; {SEARCH_ON}" if ended else ""

@@ -20,6 +20,7 @@ Rule = Literal[
     "other parameters",
     "validation",
     "comparison",
+    "ring",
 ]
 
 LEVELS: dict[Rule, float] = {
@@ -39,6 +40,8 @@ LEVELS: dict[Rule, float] = {
     "validation": 5e-3,
     # A robot seems to differ between two recordings, or by more than one body.
     "comparison": 1e-3,
+    # A line in a smooth spectrum seems to ring.
+    "ring": 1e-6,
 }
 """The probability of a false alarm, in one recording if not said otherwise."""
 
