@@ -193,6 +193,7 @@ def _true_samples(
         surroundings={},
         locked=(),
         shares=shares,
+        worst=((0.0, 0.0),) * len(shares),
         origins={"wheel_speeds": tachometers},
         source="simulation",
     )

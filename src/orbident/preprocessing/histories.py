@@ -44,6 +44,9 @@ class Histories(NamedTuple):
     shares: tuple[float, ...]
     """Variance of a smoothed position over that of a sample; NaN where the rate was
     measured. A sample determines so many unknowns of the motion."""
+    worst: tuple[tuple[float, float], ...]
+    """The largest deviations of a smoothed position, rad or m, and of its rate, per
+    second: those in the middle of a gap. Zero where they are not known."""
 
 
 def histories(
@@ -95,13 +98,13 @@ def histories(
                 q = [at[name]] if recording.has(at[name]) else []
                 q = [_at(recording, column, late) for column in q]
                 qd = _at(recording, measured[name], late)
-                return _History(q, qd, np.nan, Origin.MEASURED)
+                return _History(q, qd, np.nan, (0.0, 0.0), Origin.MEASURED)
             share = settings.once(_share(at[name]), partial(_share_of, angle))
             qd, origin = angle.rate[:, 0], Origin.SMOOTHED_POSITIONS
             if name in both:
                 qd = _combined(angle, read[measured[name]])
                 origin = Origin.SMOOTHED_POSITIONS_AND_RATES
-            return _History([angle.x[:, 0]], qd, share, origin)
+            return _History([angle.x[:, 0]], qd, share, _worst(angle), origin)
 
         return [one(name) for name in names]
 
@@ -114,6 +117,7 @@ def histories(
         tuple(each.rate for each in every),
         reduce(or_, (each.origin for each in every), Origin(0)),
         tuple(each.share for each in every),
+        tuple(each.worst for each in every),
     )
 
 
@@ -124,6 +128,7 @@ class _History(NamedTuple):
     """One, or none where it is not recorded."""
     rate: Float[np.ndarray, " samples"]
     share: float
+    worst: tuple[float, float]
     origin: Origin
 
 
@@ -182,6 +187,13 @@ def _share_of(angle: Smoothed | Rates) -> float:
     assert isinstance(angle, Smoothed)
     std = angle.std_x[~np.isnan(angle.std_x)]
     return float((np.median(std) / angle.noise_std[0]) ** 2) if std.size else np.nan
+
+
+def _worst(angle: Smoothed | Rates) -> tuple[float, float]:
+    if isinstance(angle, Rates):
+        return 0.0, 0.0
+    x, rate = (np.nanmax(std, initial=0.0) for std in (angle.std_x, angle.std_rate))
+    return float(x), float(rate)
 
 
 def _at(recording: Recording, name: str, late: float) -> Float[np.ndarray, " samples"]:

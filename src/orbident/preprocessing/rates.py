@@ -9,6 +9,7 @@ exactly so where it is low-passed to first order.
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -86,6 +87,40 @@ def at_times(
         InputError: The column has fewer than 4 valid samples or infinite values.
     """
     return _spline(t, x, name)(at)
+
+
+def through_gaps(t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " more"]:
+    """The times, and between them others in gaps, as far apart as usual.
+
+    What is integrated from row to row goes on through gaps. Where these would have more
+    rows than were recorded, nobody knows what happened for so long: they stay.
+
+    Args:
+        t: Times, s, strictly increasing.
+    """
+    steps = np.diff(t)
+    usual = float(np.median(steps)) if steps.size else np.inf
+    gaps = np.flatnonzero(steps > GAP * usual)
+    if steps[gaps].sum() > t.size * usual:
+        return t
+    parts = np.round(steps[gaps] / usual).astype(int)
+    more = [
+        np.linspace(t[k], t[k + 1], n, endpoint=False)[1:]
+        for k, n in zip(gaps, parts, strict=True)
+    ]
+    return np.sort(np.concatenate([t, *more]))
+
+
+def gaps_as_rows(recording: Recording) -> Recording:
+    """The recording with rows without a sample in its gaps, as `through_gaps`."""
+    t = through_gaps(recording.t)
+    if t.size == recording.t.size:
+        return recording
+    rows = np.searchsorted(t, recording.t)
+    columns = {name: np.full(t.size, np.nan) for name in recording.columns}
+    for name, column in recording.columns.items():
+        columns[name][rows] = column
+    return replace(recording, t=t, columns=columns)
 
 
 def _by_column(

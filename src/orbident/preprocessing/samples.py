@@ -78,6 +78,9 @@ class Samples:
     shares: tuple[float, ...]
     """Variance of each joint's smoothed position over that of a sample; NaN where the
     rate was measured."""
+    worst: tuple[tuple[float, float], ...]
+    """The largest deviations of each joint's smoothed position, rad or m, and rate, per
+    second; zero where they are not known."""
     origins: dict[str, Origin]
     """How joint rates, wheel speeds and the velocity of S were obtained."""
     source: str
@@ -244,6 +247,7 @@ def samples_of(
         surroundings=around,
         locked=moving.locked,
         shares=joints.shares,
+        worst=joints.worst,
         origins={
             "joint_rates": joints.origin,
             "wheel_speeds": wheels.origin,

@@ -70,6 +70,7 @@ from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.rates import gaps_as_rows
 from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
@@ -105,6 +106,9 @@ class OutputError:
             done += (1 - done) / 2
             progress(done)
 
+        recording = gaps_as_rows(problem.recording)
+        if recording is not problem.recording:
+            problem = problem.amended(recording=recording)
         robot, sets = problem.robot, problem.sets
         sensors = sensors_of(
             robot, problem.recording, delays(robot, problem.recording, problem.late)

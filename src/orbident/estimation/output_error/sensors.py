@@ -20,6 +20,7 @@ from orbident.gaussian import noisiest_std
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import rate_noise
+from orbident.preprocessing.rates import through_gaps
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.recording import Recording
@@ -124,7 +125,7 @@ def sensors_of(
         felt = _felt(t, increments, times["gyro"], samples["gyro"])
         times["accelerometer"], samples["accelerometer"] = felt
     t = np.unique(np.concatenate(list(times.values())))
-    t = t[np.diff(t, prepend=-np.inf) > TOGETHER]
+    t = through_gaps(t[np.diff(t, prepend=-np.inf) > TOGETHER])
     shown = {
         name: _sensed(robot, name, t, times[name], samples[name]) for name in times
     }

@@ -56,7 +56,8 @@ BIAS = np.repeat([GyroSpec.UNKNOWN_BIAS, AccelerometerSpec.UNKNOWN_BIAS], 3)
 """Std of biases beforehand, rad/s and m/s^2."""
 
 ENCODERS = 1e-2
-"""Std of the error of smoothed encoders beforehand, rad or m, and per second."""
+"""Std of the error of smoothed encoders beforehand, rad or m, and per second; in a gap
+it may be more."""
 
 UNMEASURED = 1e2
 """The same of a joint that nobody measures: its own equations hold it."""
@@ -243,10 +244,11 @@ def looseness(
         or ("joints" in sensors.by_name and name not in samples.locked)
         for name in robot.joint_names
     ]
-    std = [
+    least = [
         UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names
     ]
-    corrections = np.tile(np.array(std)[free], 2)
+    std = np.maximum(np.array(least)[:, None], np.reshape(samples.worst, (-1, 2)))
+    corrections = std[free].T.ravel()
     dt, D = float(np.median(np.diff(sensors.t))), _principal_inertias(robot)[-1]
     noise = first_lasting(lasting, dt, float(D))
     turn_walk = np.full(3, _turn_walk(robot, samples))
