@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 63_306,
+    "lines": 63_333,
     "files of estimation": 48,
-    "lines of estimation": 11_565,
+    "lines of estimation": 11_592,
     "files with one user": 66,
     "imports below each other": 29,
     "numbers without a reason": 38,
