@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 63_505,
+    "lines": 63_532,
     "files of estimation": 48,
-    "lines of estimation": 11_568,
+    "lines of estimation": 11_595,
     "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,

@@ -15,6 +15,9 @@ from clean_recordings import SENSORS as IN_SPACE
 from random_motions import random_motion
 
 import orbident as oi
+from orbident.estimation.estimate import Change
+from orbident.estimation.momentum_problem import momentum_problem
+from orbident.estimation.solve import since_the_last_change
 from orbident.robot.sensor_schema import declared_sensors
 
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "2"))
@@ -51,6 +54,25 @@ def off(result: oi.Result, true: oi.Robot) -> float:
     """The worst base parameter's error, in deviations."""
     beta = oi.minimal_sets(true).beta(true.theta)
     return float(np.nanmax(np.abs(result.base.values - beta) / result.base.std))
+
+
+def test_an_alarm_too_soon_hides_no_change():
+    """A filter that learns raises one shortly before, and none when it happens."""
+    after, recording, at = flight("paper-spatial", 0, 1.0)
+    user = replace(cad(oi.load_robot("paper-spatial"), 0), sensors=after.sensors)
+    problem = momentum_problem(
+        replace(user, structure={}), recording, "unknown", lambda _: None
+    )
+    alarm = Change(at - 1.5, at - 1.5, 2.0, 1.0)
+    (change,), last = since_the_last_change(problem, [alarm], lambda _: None)
+    assert change.onset <= at <= change.t + 1 / RATE
+    assert change.t < at + SOON
+    assert last.shown is not None
+    base = last.shown.parameters.base
+    z = (base.values - oi.minimal_sets(after).beta(after.theta)) / np.sqrt(
+        np.diag(base.covariance)
+    )
+    assert np.abs(z).max() < FAR
 
 
 @pytest.mark.long

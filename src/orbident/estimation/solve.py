@@ -48,6 +48,10 @@ EARLIER = 60
 """Samples before a change was found that may be after it: a filter that learns takes up
 some of a change before it sees the rest."""
 
+LATER = (0, 2, 20, EARLIER)
+"""Samples after an alarm, tried in turn: it may come before the change itself, as
+smoothed rates have some of it beforehand, and an error of the filter hides it."""
+
 
 def same_robot(one: Estimate, other: Estimate) -> bool:
     """Whether chance explains by how much the base parameters of two parts differ."""
@@ -74,20 +78,43 @@ def since_the_last_change(
     confirmed, begin = list[Change](), -np.inf
     if _between(problem, -np.inf, np.inf):
         suspected = ()
-    doubt = EARLIER * float(np.median(np.diff(problem.recording.t)))
+    step = float(np.median(np.diff(problem.recording.t)))
+    doubt = EARLIER * step
     ends = [*(change.t - doubt for change in suspected), np.inf]
     before = _between(problem, begin, ends[0])
     for done, (change, end) in enumerate(zip(suspected, ends[1:], strict=True), 1):
         progress(done / len(ends))
-        # A later alarm may be none: the whole rest tells most where it fits.
-        after = _between(problem, change.t, np.inf) or _between(problem, change.t, end)
+        after, since = _after(problem, change, step, end) if before else (None, change)
         if before and after and not same_robot(before, after):
-            confirmed.append(change)
-            begin, before = change.t, after
+            confirmed.append(since)
+            begin, before = since.t, after
         else:
             before = _between(problem, begin, end)
     last = _cut(problem, begin, np.inf)
     return tuple(confirmed), evidence(last, OutputError(), progress)
+
+
+def _after(
+    problem: MomentumProblem, change: Change, step: float, end: float
+) -> tuple[Estimate | None, Change]:
+    """What fits after a change, and the change as of the first time from which it does.
+
+    Args:
+        problem: of the whole recording.
+        change: as a filter found it.
+        step: from sample to sample, s.
+        end: of the part until the next change, s.
+    """
+    onset = change.onset
+    for rows in LATER:
+        since = Change(change.t + rows * step, onset, *change[2:])
+        # A later alarm may be none: the whole rest tells most where it fits.
+        after = _between(problem, since.t, np.inf) or _between(problem, since.t, end)
+        if after:
+            return after, since
+        # From here on is not yet one robot.
+        onset = since.t
+    return None, change
 
 
 def _between(problem: MomentumProblem, begin: float, end: float) -> Estimate | None:
