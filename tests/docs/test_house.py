@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 63_451,
+    "lines": 63_449,
     "files of estimation": 48,
     "lines of estimation": 11_561,
     "files with one user": 67,
