@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 63_532,
+    "lines": 63_530,
     "files of estimation": 48,
     "lines of estimation": 11_595,
     "files with one user": 67,

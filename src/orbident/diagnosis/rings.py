@@ -62,10 +62,8 @@ class Ring(NamedTuple):
     def remedy(self) -> str:
         """How it is declared."""
         at = f"{{frequency: {self.frequency:.3g} Hz}}"
-        return (
-            f"declare what swings, 'passive: {{JOINT: {at}}}' or 'flexible: {{JOINT: "
-            f"{at}}}', or a lower frequency: where the base is held it is slower"
-        )
+        either = f"'passive: {{JOINT: {at}}}' or 'flexible: {{JOINT: {at}}}'"
+        return f"declare what swings, {either}, and identify again"
 
 
 def ring_of(signals: Signals) -> Ring | None:

@@ -243,8 +243,8 @@ class Trajectory:
         table = np.hstack([self.a, self.b, self.start, self.end])
         leaders = {
             name: (name, 1.0, 0.0)
-            for name, moves in zip(self.joints, table.any(axis=1), strict=True)
-            if moves or name not in robot.passive
+            for name, row in zip(self.joints, table, strict=True)
+            if row.any() or name not in robot.passive
         }
         for follower, leader, factor, offset in robot.couplings:
             if leader in self.joints:
