@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 303,
-    "lines": 63_530,
-    "files of estimation": 48,
-    "lines of estimation": 11_595,
-    "files with one user": 67,
+    "files": 304,
+    "lines": 63_537,
+    "files of estimation": 49,
+    "lines of estimation": 11_602,
+    "files with one user": 68,
     "imports below each other": 29,
     "numbers without a reason": 38,
 }

@@ -17,7 +17,7 @@ from orbident.trajectories.trajectory import InitialState, Trajectory
 EXAMPLE = EXAMPLES / "mujoco-panels"
 
 STIFFNESS, DAMPING, CARRIED = 86.65, 0.27583, 8.78
-"""Of each panel in `satellite.xml`: N m/rad, N m s/rad and kg m^2."""
+"""What each panel in `satellite.xml` has: N m/rad, N m s/rad and kg m^2."""
 
 DURATION, RATE, STEP = 10.0, 25.0, 0.01
 """s, Hz and s: MuJoCo's RK4 is wrong by 1e-9 rad then."""

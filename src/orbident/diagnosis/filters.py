@@ -33,7 +33,7 @@ CLEAR = 25.0
 middle, or swings, is not late, and what is late by a fifth of it may be late alone."""
 
 LEAST = 4.0
-"""Samples of which a mean is told from noise, and means of a recording."""
+"""A mean over fewer samples looks like noise, and a recording has at least so many."""
 
 TINY = 1e-300
 """Less noise than any."""

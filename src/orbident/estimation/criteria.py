@@ -190,8 +190,8 @@ def what_swings(
     """Whether passive joints carry what they may, and no two of them swing alike.
 
     What tells the parameters of two apart that do shows in second order, and deviations
-    are of first order; those of one make are alike beforehand, and what two motors turn
-    is told apart by how these move.
+    are of first order. Joints of one make are alike beforehand, and the motions of two
+    motors tell apart the joints that they turn.
 
     Args:
         passive: the joints, as the robot file has them.

@@ -326,7 +326,7 @@ def _judged(
 
 
 def _most_certain(found: list[Judged]) -> Judged:
-    """Of motions that are as good as the best one, that which what acts costs least."""
+    """The motion that what acts costs least, among those as good as the best one."""
     enough = ALIKE * min(each.value for each in found)
     alike = [each for each in found if each.value <= enough]
     return min(alike, key=lambda each: (each.scores.price or 1.0, each.value))

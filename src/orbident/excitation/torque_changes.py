@@ -87,7 +87,7 @@ class TorqueChanges:
         motion: NodalMotion,
         instruments: InstrumentChanges,
     ) -> None:
-        """Of some joints, along a motion at nodes.
+        """Work out the momenta of some joints along a motion at nodes.
 
         Args:
             joints: those whose torque counts.

@@ -14,7 +14,7 @@ from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.solve import difference, widened
+from orbident.estimation.widening import difference, widened
 from orbident.recordings.recording import Recording
 
 ROBOT = small_robot()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from design_gradients import check_gradient
 from random_motions import random_motion
 from random_robots import random_robot
 
@@ -130,22 +131,7 @@ def test_the_gradient_by_differences(request, name):
     robot = with_torques(known, joint_armature=armature, joint_clock=1e-3, **errors)
     robot = replace(robot, wheels=known.wheels)
     problem = problem_for(robot, conditions_for(robot, 20.0, 2), "d", 0.0)
-    random = np.random.default_rng(1)
-    shape = len(robot.joints), problem.motions.basis[0].shape[1]
-    y = 0.3 * random.standard_normal(shape)
-    gradient = problem.evaluate(y, 8.0).gradient
-    for direction in random.standard_normal((3, *shape)):
-
-        def value(step, direction=direction):
-            return problem.evaluate(y + step * direction, 8.0).smooth
-
-        def slope(step):
-            return (value(step) - value(-step)) / (2 * step)
-
-        expected = (4 * slope(1e-4) - slope(2e-4)) / 3
-        size = float(np.linalg.norm(gradient) * np.linalg.norm(direction))
-        found = float((gradient * direction).sum())
-        assert found == pytest.approx(expected, abs=1e-4 * size)
+    check_gradient(problem, 1e-4, 1e-4)
 
 
 def test_joints_that_others_move_have_no_torques(servicer):
