@@ -30,8 +30,8 @@ RISES = 25.0
 with `1 / (2 zeta)^2` of the power that drives it."""
 
 NEAR = np.linspace(0.9, 1.1, 81)
-"""Frequencies that are tried, over that of the line. Joints that move at a frequency near
-by pull the line towards theirs."""
+"""Frequencies that are tried, over that of the line. Joints that move at one near by
+pull the line towards theirs."""
 
 ZETA = 0.01
 """Damping of structures over critical. The frequency hardly depends on it."""
