@@ -100,6 +100,8 @@ class RobotMotion:
     """From when to when something pushed a recorded robot, s, where that is known."""
     allowed: Mapping[str, MayAct] = field(default_factory=dict)
     """What may act on it, by group; what is absent does not."""
+    predicted_w: Vectors | None = None
+    """What a fit predicts of `w`, without a gyro's noise; but for constants, rad/s."""
 
     @cached_property
     def poses(self) -> Poses:

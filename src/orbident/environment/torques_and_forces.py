@@ -47,7 +47,7 @@ from orbident.environment.worlds import SHORTEST, world_of
 from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
-from orbident.recordings.derivatives import HALF, second_derivative
+from orbident.recordings.derivatives import HALF, derivatives
 
 WAVES = 24
 """So a walk's deviation is wrong by a fifth of a percent."""
@@ -303,10 +303,11 @@ class OnSprings(Agent):
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """Each entry of the symmetric matrix."""
-        t, w = motion.t[::2], motion.w[::2]
+        turning = motion.w if motion.predicted_w is None else motion.predicted_w
+        t, w = motion.t[::2], turning[::2]
         if t.size <= 2 * HALF:
             return
-        bent = second_derivative(t, w)
+        _, bent = derivatives(t, w)
         axes = conserved_axes(motion.robot)[0]
         for i in axes:
             for k in axes[axes.index(i) :]:

@@ -7,14 +7,8 @@ and would seem to be explained by itself.
 import numpy as np
 from jaxtyping import Float
 
-from orbident.gaussian import white_std
-
 HALF, DEGREE = 8, 4
 """Samples before and after one, and the degree of the polynomial through them."""
-
-EXPLAINED = 1.5
-"""How many times what noise explains two derivatives may differ: some twenty samples
-know the noise better than that."""
 
 Samples = Float[np.ndarray, "n axes"]
 
@@ -28,35 +22,6 @@ def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Sample
     """
     first, second = _weights(t, HALF)
     return _filtered(x, first), _filtered(x, second)
-
-
-def second_derivative(t: Float[np.ndarray, " n"], x: Samples) -> Samples:
-    """The second derivative of each axis by the widest polynomials that it allows.
-
-    Each is twice as wide as the one before, and both differ by no more than the noise
-    of the narrower one explains (Lepski 1991): what is wider is hardly noise, and what
-    is narrower hardly bent otherwise.
-
-    Args:
-        t: s, evenly spaced; more than `2 HALF`.
-        x: finite samples at these times.
-    """
-    return np.column_stack([_widest(t, axis[:, None]) for axis in x.T])
-
-
-def _widest(t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n 1"]) -> Samples:
-    half, noise = HALF, white_std(x)
-    by = _weights(t, half)[1]
-    found = _filtered(x, by)
-    while t.size > 4 * half:
-        half = 2 * half
-        wide = _weights(t, half)[1]
-        more = _filtered(x, wide)
-        own = noise * np.linalg.norm(wide - np.pad(by, half // 2))
-        if np.sqrt(np.mean((more - found) ** 2)) > EXPLAINED * own:
-            break
-        found, by = more, wide
-    return found
 
 
 def _weights(t: Float[np.ndarray, " n"], half: int) -> Float[np.ndarray, "2 around"]:

@@ -60,6 +60,8 @@ class Followed:
     samples: Samples
     intervals: Intervals
     """With the rows."""
+    predicted: Columns = ()
+    """What a fit predicts of the gyro at the rows; NaN where it showed nothing."""
 
     @cached_property
     def t(self) -> Float[np.ndarray, " nodes"]:
@@ -80,13 +82,13 @@ class Followed:
     def motion(self) -> RobotMotion:
         """All of it; in inertial axes the surroundings change slowly."""
         samples, history, t = self.samples, self.intervals.history, self.t
-        w = self._between(samples.w)
+        w = self._between(samples.t, samples.w)
         x = np.column_stack(samples.x_WB)
         known = np.isfinite(x).all(axis=1)
         at, x_WB = samples.t[known], Rotation.from_quat(x[known])
         S = None
         if self.tracked:
-            v_S = self._between(samples.v_S)
+            v_S = self._between(samples.t, samples.v_S)
             S = PointMotion(integral(t, by_step(v_S)), v_S)
         return RobotMotion(
             self.robot,
@@ -102,6 +104,7 @@ class Followed:
             },
             samples.pushed,
             self.allowed,
+            self._between(self.intervals.t, self.predicted) if self.predicted else None,
         )
 
     @cached_property
@@ -125,7 +128,9 @@ class Followed:
         allowed = what_may_act(self.robot, scale)
         return allowed | {PUSH: MayAct(np.inf)} if samples.pushed else allowed
 
-    def _between(self, columns: Columns) -> Float[np.ndarray, "nodes axes"]:
+    def _between(
+        self, t: Float[np.ndarray, " n"], columns: Columns
+    ) -> Float[np.ndarray, "nodes axes"]:
         x = np.column_stack(columns)
         known = np.isfinite(x).all(axis=1)
         if known.sum() < 2:
@@ -134,7 +139,7 @@ class Followed:
                 f"at {known.sum()} times, and 2 are needed at least; check the clocks, "
                 "or record longer"
             )
-        return np.asarray(CubicSpline(self.samples.t[known], x[known])(self.t))
+        return np.asarray(CubicSpline(t[known], x[known])(self.t))
 
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
@@ -199,6 +204,11 @@ class Acting:
         """What acts in a world where it has other sizes, by group, SI."""
         changed = {group: MayAct(size) for group, size in sizes.items()}
         return Acting(self.followed, self.first, {**self.allowed, **changed})
+
+    def following(self, predicted: Columns) -> "Acting":
+        """The same where a fit predicts what the gyro shows at the rows."""
+        followed = replace(self.followed, predicted=predicted)
+        return Acting(followed, self.first, self.allowed)
 
     def walking(self, found: Mapping[str, float]) -> "Acting":
         """The same with these densities of walks, by their groups."""

@@ -183,6 +183,8 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
     tested = search.tested and search.problem.t.size <= LONGEST
     tested &= solution.converged or not (search.hasty and _bad(search.problem, cost))
+    if tested:
+        search = replace(search, problem=_predicting(search.problem, found))
     zeros = _zeros(search.problem, solution, tested)
     while tested and len(freed) < ROUNDS:
         best = _best(search, zeros, cost, excluded)
@@ -196,6 +198,21 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
         found = search.settled(lambda: solution)
         zeros = _zeros(search.problem, found.solution, tested)
     return WorldFit(search.problem, found, expected, zeros, freed)
+
+
+def _predicting(problem: Problem, found: Fitted) -> Problem:
+    """What acts by derivatives of the rate follows the fit.
+
+    With the noise of the gyro in it, what is left of it beside all other unknowns is
+    noise, and seems to explain that of the gyro.
+    """
+    weights = problem.weights.get("gyro")
+    if weights is None:
+        return problem
+    shown = problem.samples["gyro"]
+    std = np.divide(found.levels["gyro"], weights, where=weights > 0, out=0 * weights)
+    predicted = shown - found.residuals["gyro"] * std
+    return problem._replace(acting=problem.acting.following(tuple(predicted.T)))
 
 
 def _sized(search: Search) -> tuple[Search, Callable[[], Solution]]:
