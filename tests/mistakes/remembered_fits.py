@@ -26,6 +26,7 @@ def fits_remembered() -> Iterator[None]:
         columns = {name: x.tobytes() for name, x in recording.columns.items()}
         key = (
             self.steps,
+            self.tested,
             tuple(sorted(self.free.items())),
             id(problem.robot),
             problem.initial_momentum,

@@ -66,6 +66,11 @@ class _Fit(NamedTuple):
     shown: Estimate
 
 
+class _Settled(NamedTuple):
+    clock: Delay
+    fit: _Fit
+
+
 def evidence(
     problem: MomentumProblem, estimator: Estimator, progress: Progress
 ) -> Evidence:
@@ -119,8 +124,12 @@ def _clock_of(
     start = punctual if near else _far(first.problem)
     if abs(start.late) > LONGEST:
         return start, first
-    found = _settled(first.problem, start, fit, progress)
-    if found is None or misfit(found[1].shown) > misfit(shown) - WORTH:
+    # Only on the clock that settles it is asked what else acts: that takes most time.
+    plain = replace(fit, tested=False)
+    settled = _settled(first.problem, start, plain, progress)
+    near_it = settled.clock if settled else start
+    found = _settled(first.problem, near_it, fit, progress)
+    if found is None or misfit(found.fit.shown) > misfit(shown) - WORTH:
         return punctual, first
     clock, there = found
     if abs(clock.late) > LONGEST:
@@ -147,7 +156,7 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
 
 def _settled(
     problem: MomentumProblem, clock: Delay, fit: OutputError, progress: Progress
-) -> tuple[Delay, _Fit] | None:
+) -> _Settled | None:
     """The clock that is freed again and again, where that comes to an end.
 
     Args:
@@ -168,7 +177,7 @@ def _settled(
         if abs(error.value) < max(SETTLED, error.std):
             matters = abs(clock.late) > max(LEAST, SURE * error.std)
             clock = Delay(clock.late, error.std, believed=True)
-            return (clock, _Fit(there, shown)) if matters else None
+            return _Settled(clock, _Fit(there, shown)) if matters else None
         clock = Delay(clock.late + error.value, error.std, believed=True)
     return None
 
