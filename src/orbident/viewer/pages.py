@@ -15,14 +15,16 @@ from jaxtyping import Float
 from orbident.model.rotations import UNTURNED
 from orbident.recordings.tables import read_recording
 from orbident.robot.description import Joint, Robot
+from orbident.scene.ellipsoids import inertia_ellipsoids, inertia_intervals
 from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     Replay,
     centroidal_momentum,
-    inertia_ellipsoids,
     placed,
     reaction,
+    residuals,
+    tips,
 )
 from orbident.scene.scene import Scene
 from orbident.scene.shapes import CAD, IDENTIFIED
@@ -35,6 +37,7 @@ from orbident.viewer.stage import (
     Ellipsoid,
     Floor,
     Plot,
+    Trails,
     heading,
 )
 
@@ -184,6 +187,10 @@ class ReplayPage:
             self._origins = found.r_cm
         self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
         self._arrows = found and Arrows(server, found, self._stage.size)
+        paths = {"S": measured.r_S}
+        if found:
+            paths["system CM"] = found.r_cm
+        self._trails = Trails(server, paths | tips(scene.robot, at), self._stage.size)
         self._ellipsoids = _ellipsoids(server, scene, replay, measured)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
@@ -213,11 +220,14 @@ class ReplayPage:
             "Inertia",
             False,
             hint="Ellipsoids of even density with the system's mass, CM and inertia: "
-            "blue as identified, red by CAD",
+            "blue as identified, red by CAD; between the blue nets lie 95 % of what "
+            "each half axis of the blue one may be",
             visible=bool(self._ellipsoids),
         )
         if self._arrows:
             gui.add_html(self._arrows.legend())
+        self._traced = gui.add_checkbox("Trails", False)
+        gui.add_html(self._trails.legend())
 
     def _toggle(self) -> None:
         self._playing = not self._playing
@@ -235,7 +245,7 @@ class ReplayPage:
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
                 self._toggle()
-        boxes = self._follow, self._vectors, self._inertia, *self._ghosts
+        boxes = self._follow, self._vectors, self._traced, self._inertia, *self._ghosts
         wanted = self._time.value, *(box.value for box in boxes)
         if wanted != self._shown:
             self._show(*wanted)
@@ -253,7 +263,13 @@ class ReplayPage:
         return float(chosen) if chosen in SPEEDS else 1.0
 
     def _show(
-        self, t: float, follow: bool, vectors: bool, inertia: bool, *ghosts: bool
+        self,
+        t: float,
+        follow: bool,
+        vectors: bool,
+        traced: bool,
+        inertia: bool,
+        *ghosts: bool,
     ) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
         origin = self._origins[k if follow else 0]
@@ -265,6 +281,8 @@ class ReplayPage:
         if self._arrows:
             self._arrows.move_to(k, origin)
             self._arrows.show(vectors)
+        self._trails.move_to(k, origin)
+        self._trails.show(traced)
         for ellipsoid in self._ellipsoids:
             ellipsoid.move_to(k, origin)
             ellipsoid.show(inertia)
@@ -273,7 +291,7 @@ class ReplayPage:
 def _ellipsoids(
     server: Any, scene: Scene, replay: Replay, measured: MotionHistory
 ) -> list[Ellipsoid]:
-    """The system's inertia as ellipsoids, by CAD and as identified.
+    """The system's inertia as ellipsoids, by CAD and as identified, with 95 % ends.
 
     There are none of a robot on a table, of which only one moment shows.
     """
@@ -282,10 +300,16 @@ def _ellipsoids(
     models = [("/inertia/cad", scene.robot, CAD)]
     if replay.predicted and replay.model:
         models.append(("/inertia/identified", replay.model, IDENTIFIED))
-    return [
+    drawn = [
         Ellipsoid(server, name, inertia_ellipsoids(model, measured), colour)
         for name, model, colour in models
     ]
+    if replay.model and replay.root is not None:
+        ends = inertia_intervals(replay.model, replay.root, measured)
+        for name, end in zip(("low", "high"), ends, strict=True):
+            name = f"/inertia/{name}"
+            drawn.append(Ellipsoid(server, name, end, IDENTIFIED, wireframe=True))
+    return drawn
 
 
 def slow_motion(motion: MotionHistory) -> float:
@@ -311,6 +335,13 @@ def _plots(
     joints = scene.robot.joint_names
     if joints:
         plots.append(Plot(server, "Joints, rad or m", t, measured.q, joints))
+    if predicted:
+        off = residuals(measured, predicted)
+        if not replay.velocity_known:
+            del off["position of S, m"]
+        plots += [
+            Plot(server, f"Residual {name}", t, x, xyz) for name, x in off.items()
+        ]
     return plots
 
 
