@@ -190,12 +190,15 @@ class ReplayPage:
         paths = {"S": measured.r_S}
         if found:
             paths["system CM"] = found.r_cm
-        self._trails = Trails(server, paths | tips(scene.robot, at), self._stage.size)
+        self._trails = Trails(server, paths | tips(scene.robot, at))
         self._ellipsoids = _ellipsoids(server, scene, replay, measured)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
         self._add_controls(server)
-        self._plots = _plots(server, scene, replay, measured, predicted)
+        panel = server.gui.add_panel()
+        panel.dock_below(server.gui.main_panel)
+        with panel.add_tab("Plots"):
+            self._plots = _plots(server, scene, replay, measured, predicted)
         self._playing = self._pressed = False
         self._shown = self._plotted = None
         self._pictures = 0
@@ -210,12 +213,16 @@ class ReplayPage:
             "Time, s", start, end, max((end - start) / 1000, 1e-3), start
         )
         self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value="1")
+        self._loop = gui.add_checkbox("Loop", False)
+        # Shut at first: on a phone the panel must leave room for the robot.
+        with gui.add_folder("Show", expand_by_default=False):
+            self._add_choices(gui)
+
+    def _add_choices(self, gui: Any) -> None:
         self._follow = gui.add_checkbox("Follow", True)
         names = ("Predicted", "CAD")[: len(self._robots) - 1]
         self._ghosts = [gui.add_checkbox(name, True) for name in names]
-        self._vectors = gui.add_checkbox(
-            "Momentum", True, visible=self._arrows is not None
-        )
+        self._named = gui.add_checkbox("Names", False)
         self._inertia = gui.add_checkbox(
             "Inertia",
             False,
@@ -224,10 +231,19 @@ class ReplayPage:
             "each half axis of the blue one may be",
             visible=bool(self._ellipsoids),
         )
+        self._vectors = gui.add_checkbox(
+            "Momentum", True, visible=self._arrows is not None
+        )
         if self._arrows:
             gui.add_html(self._arrows.legend())
         self._traced = gui.add_checkbox("Trails", False)
         gui.add_html(self._trails.legend())
+
+    def _end(self) -> None:
+        if self._loop.value:
+            self._time.value = self._time.min
+        else:
+            self._toggle()
 
     def _toggle(self) -> None:
         self._playing = not self._playing
@@ -244,9 +260,9 @@ class ReplayPage:
             t = self._time.value + seconds * self._chosen_speed()
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
-                self._toggle()
-        boxes = self._follow, self._vectors, self._traced, self._inertia, *self._ghosts
-        wanted = self._time.value, *(box.value for box in boxes)
+                self._end()
+        boxes = self._follow, self._named, self._inertia, self._vectors, self._traced
+        wanted = self._time.value, *(box.value for box in (*boxes, *self._ghosts))
         if wanted != self._shown:
             self._show(*wanted)
             self._shown = wanted
@@ -266,9 +282,10 @@ class ReplayPage:
         self,
         t: float,
         follow: bool,
+        named: bool,
+        inertia: bool,
         vectors: bool,
         traced: bool,
-        inertia: bool,
         *ghosts: bool,
     ) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
@@ -278,6 +295,7 @@ class ReplayPage:
             robot.move_to(poses.R[k], poses.p[k] - origin)
         for (ghost, _), visible in zip(self._robots[1:], ghosts, strict=True):
             ghost.show(visible)
+        self._robots[0][0].show_names(named)
         if self._arrows:
             self._arrows.move_to(k, origin)
             self._arrows.show(vectors)

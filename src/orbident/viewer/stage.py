@@ -103,6 +103,13 @@ class DrawnRobot:
         self._frames = [
             server.scene.add_frame(f"{name}/{k}", show_axes=False) for k in range(count)
         ]
+        robot = scene.robot
+        self._names = [
+            server.scene.add_label(f"{name}/{k}/name", words, visible=False)
+            for k, words in enumerate(
+                (*robot.bodies, *(wheel.name for wheel in robot.wheels))
+            )
+        ]
         for k, shape in enumerate(scene.shapes):
             server.scene.add_mesh_simple(
                 f"{name}/{shape.frame}/{k}",
@@ -125,6 +132,11 @@ class DrawnRobot:
     def show(self, visible: bool) -> None:
         """Or hide."""
         self._root.visible = visible
+
+    def show_names(self, visible: bool) -> None:
+        """Of bodies and wheels, or hide them."""
+        for name in self._names:
+            name.visible = visible
 
 
 class Ellipsoid:
@@ -171,7 +183,7 @@ LONGEST = 1.1
 SHORTEST = 0.02
 """Shorter ones are not drawn."""
 
-TOTAL: Colour = (40, 40, 40)
+TOTAL: Colour = (118, 118, 118)
 BODIES: Colour = (68, 119, 170)
 WHEELS: Colour = (238, 119, 51)
 LINEAR: Colour = (34, 136, 51)
@@ -252,15 +264,12 @@ TRAILS: tuple[Colour, ...] = ((170, 51, 119), TOTAL, (153, 153, 51))
 class Trails:
     """Where points have been up to now, as lines; hidden at first."""
 
-    def __init__(
-        self, server: Any, paths: Mapping[str, Float[np.ndarray, "n 3"]], size: float
-    ):
+    def __init__(self, server: Any, paths: Mapping[str, Float[np.ndarray, "n 3"]]):
         """Nothing is drawn yet.
 
         Args:
             server: viser's.
             paths: of points by their names, inertial frame, m.
-            size: how far the robot reaches, m.
         """
         self._paths = tuple(paths.values())
         n = len(self._paths[0])
@@ -272,7 +281,8 @@ class Trails:
                 f"/trails/{k}",
                 np.zeros((0, 2, 3)),
                 colour,
-                thickness=0.012 * size,
+                thickness=3.0,
+                thickness_units="screen",
                 visible=False,
             )
             for k, colour in enumerate(colours)
@@ -296,7 +306,8 @@ class Trails:
 
 
 COLOURS = ("#ee6677", "#228833", "#4477aa", "#aa3377", "#ccbb44", "#66ccee")
-NOW = "#222222"
+NOW = "#767676"
+"""Grey that is seen on a light page and on a dark one."""
 
 
 class Plot:
@@ -340,7 +351,7 @@ class Plot:
             scales={"x": {"time": False}, "y": {"range": self._ends}},
             legend={"show": False},
             height=150,
-            padding=(10, 16, 0, 0),
+            padding=(10, 16, 0, 14),
         )
 
     def move_to(self, t: float) -> None:
@@ -362,7 +373,7 @@ def _colour(k: int) -> str:
 
 def _caption(title: str, names: Sequence[str], words: str) -> str:
     listed = " ".join(
-        f'<span style="color:{_colour(k)}">{html.escape(name)}</span>'
+        f'<span style="color:{_colour(k)}">&#9632;</span>&nbsp;{html.escape(name)}'
         for k, name in enumerate(names)
     )
     return (
