@@ -200,7 +200,7 @@ def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory
     return measured._replace(x_WB=x_WB, w=w, r_S=r_S, v_S=v_S)
 
 
-def residuals(
+def motion_residuals(
     measured: MotionHistory, predicted: MotionHistory
 ) -> dict[str, Float[np.ndarray, "n 3"]]:
     """Measured minus predicted, by name and unit; turns are about base axes."""

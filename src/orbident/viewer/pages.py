@@ -21,9 +21,9 @@ from orbident.scene.replay import (
     MotionHistory,
     Replay,
     centroidal_momentum,
+    motion_residuals,
     placed,
     reaction,
-    residuals,
     tips,
 )
 from orbident.scene.scene import Scene
@@ -354,7 +354,7 @@ def _plots(
     if joints:
         plots.append(Plot(server, "Joints, rad or m", t, measured.q, joints))
     if predicted:
-        off = residuals(measured, predicted)
+        off = motion_residuals(measured, predicted)
         if not replay.velocity_known:
             del off["position of S, m"]
         plots += [

@@ -16,9 +16,9 @@ from orbident.robot.robot_file import load_robot
 from orbident.scene.replay import (
     centroidal_momentum,
     compared_motions,
+    motion_residuals,
     predicted_motion,
     recorded_motion,
-    residuals,
     with_resting_cm,
 )
 from orbident.scene.scene import scene_of
@@ -102,7 +102,7 @@ def test_residuals_are_measured_minus_predicted(robot, flight: Recording):
     predicted = measured._replace(
         x_WB=turned.as_quat(), w=measured.w - 0.1, r_S=measured.r_S + up
     )
-    w, attitude, r_S = residuals(measured, predicted).values()
+    w, attitude, r_S = motion_residuals(measured, predicted).values()
     # Rounding.
     assert np.allclose(w, 0.1, atol=1e-15)
     assert np.allclose(attitude, np.tile([0.0, -0.02, 0.0], (n, 1)), atol=1e-12)

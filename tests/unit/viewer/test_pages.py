@@ -75,6 +75,31 @@ def test_playing_moves_the_robot_and_stops_at_the_end(server: Any, replay):
     assert time.value == pytest.approx(0.1)
 
 
+def test_a_loop_begins_again(server: Any, replay):
+    page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
+    control(server, "Loop").value = True
+    page._pressed = True
+    page.advance(6.0)
+    assert control(server, "Time, s").value == 0.0
+    page.advance(0.5)
+    assert control(server, "Time, s").value == 0.5
+
+
+def test_names_are_at_the_frames_where_they_are_wanted(server: Any, replay):
+    robot = load_robot(ROBOT)
+    page = ReplayPage(server, scene_of(robot), replay, "title")
+    names = [
+        server.scene.get_handle_by_name(f"/robot/{k}/name")
+        for k in range(len(robot.bodies) + len(robot.wheels))
+    ]
+    assert not any(name.visible for name in names)
+    control(server, "Names").value = True
+    page.advance(0.03)
+    assert all(name.visible for name in names)
+    wheels = [wheel.name for wheel in robot.wheels]
+    assert [name.text for name in names] == [*robot.bodies, *wheels]
+
+
 def test_scrubbing_and_hiding(server: Any, replay):
     page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
     control(server, "Time, s").value = 3.0
