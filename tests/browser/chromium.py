@@ -49,3 +49,33 @@ def chromium(profile: Path, width: int, height: int) -> Iterator[webdriver.Chrom
         yield browser
     finally:
         browser.quit()
+
+
+PHONE = 400
+"""Pixels; a window as wide as this is a phone's."""
+
+
+def emulate(
+    browser: webdriver.Chrome,
+    width: int,
+    height: int,
+    scheme: str = "light",
+    media: str = "screen",
+) -> None:
+    """Show the page in a window of this size, pixels, as a medium has it.
+
+    Args:
+        browser: shows a page.
+        width: of the window.
+        height: of the window.
+        scheme: `light` or `dark`, as a user prefers it.
+        media: `screen` or `print`.
+    """
+    size = {"width": width, "height": height, "deviceScaleFactor": 1}
+    browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {**size, "mobile": width <= PHONE}
+    )
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"media": media, "features": [feature]}
+    )

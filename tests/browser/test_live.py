@@ -1,5 +1,6 @@
 """The page of `orbident live --view` in Chromium: intervals that shrink, and alarms."""
 
+import itertools
 import json
 import time
 import urllib.error
@@ -7,9 +8,11 @@ import urllib.request
 from collections.abc import Callable
 
 import pytest
-from chromium import chromium
+from chromium import chromium, emulate
+from contrasts import faint_texts
 from live_streams import NAME, csv_lines, samples
 from processes import started
+from selenium.webdriver import Chrome
 from selenium.webdriver.common.by import By
 
 PATIENCE = 60.0
@@ -21,6 +24,23 @@ def until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.1)
+
+
+def check_looks(browser: Chrome) -> None:
+    """On a desk and on a phone, light and dark: all is within the page, and read."""
+    papers = set()
+    for width, scheme in itertools.product((1400, 400), ("light", "dark")):
+        emulate(browser, width, 800, scheme)
+        wide, window, bar, paper = browser.execute_script(
+            "return [document.documentElement.scrollWidth, innerWidth,"
+            "document.querySelector('td svg').clientWidth,"
+            "getComputedStyle(document.body).backgroundColor]"
+        )
+        assert wide <= window
+        assert bar > 200
+        assert faint_texts(browser, "body") == []
+        papers.add(paper)
+    assert len(papers) == 2
 
 
 def test_intervals_shrink_and_a_capture_is_told(tmp_path):
@@ -61,6 +81,7 @@ def test_intervals_shrink_and_a_capture_is_told(tmp_path):
         send(lines[301:])
         until(lambda: "The robot changed at t = 15.0" in body())
         assert "mass 11" in body()
+        check_looks(browser)
         severe = [e for e in browser.get_log("browser") if e["level"] == "SEVERE"]
         assert [e for e in severe if "favicon" not in e["message"]] == []
         foreign = urllib.request.Request(url, headers={"Origin": "http://a.example"})

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 import report_runs
-from chromium import chromium
+from chromium import chromium, emulate
+from contrasts import faint_texts
 from selenium.webdriver import Chrome
 from selenium.webdriver.support.wait import WebDriverWait
 
@@ -32,18 +33,10 @@ def page(
     """The report of a robot with hostile names, all charts drawn."""
     path: Path = tmp_path_factory.mktemp("run") / "report.html"
     path.write_text(report_page(report_runs.hostile()), encoding="utf-8")
-    width, height = SIZES[request.param]
-    _emulate(browser, "setDeviceMetricsOverride", width=width, height=height)
+    emulate(browser, *SIZES[request.param])
     browser.get(path.as_uri())
     WebDriverWait(browser, PATIENCE).until(_drawn)
     return browser
-
-
-def _emulate(browser: Chrome, what: str, **options: object) -> None:
-    if "width" in options:
-        phone = options["width"] == SIZES["phone"][0]
-        options |= {"deviceScaleFactor": 1, "mobile": phone}
-    browser.execute_cdp_cmd(f"Emulation.{what}", options)
 
 
 def _drawn(browser: Chrome) -> bool:
@@ -96,6 +89,14 @@ def test_no_scrolling_to_the_side(page: Chrome):
     assert wide <= window
 
 
+def test_charts_are_wide_enough_to_be_read(page: Chrome):
+    widths = page.execute_script(
+        "return [...document.querySelectorAll('.chart > .plot-container .main-svg')]"
+        ".map((svg) => svg.clientWidth)"
+    )
+    assert min(widths) > 200
+
+
 def test_hostile_names_are_text(page: Chrome):
     assert "taken" not in page.title.replace(report_runs.HOSTILE["name"], "")
     body = page.execute_script("return document.body.innerText")
@@ -121,11 +122,11 @@ return [color("body", "color"), color(".chart .xtick text", "fill"),
 
 
 def test_dark_as_well_as_light(page: Chrome):
-    inks = set()
+    inks, size = set(), page.execute_script("return [innerWidth, innerHeight]")
     for scheme in ("dark", "light"):
-        feature = {"name": "prefers-color-scheme", "value": scheme}
-        _emulate(page, "setEmulatedMedia", features=[feature])
+        emulate(page, size[0], size[1], scheme)
         WebDriverWait(page, PATIENCE).until(_of_one_color)
+        assert faint_texts(page, "body") == []
         inks.add(page.execute_script(COLORS)[0])
     assert len(inks) == 2
 
@@ -156,3 +157,25 @@ def test_print(page: Chrome):
     page.execute_script("document.querySelector('details').open = true")
     assert set(widths) == {330}
     assert closed
+
+
+PAPER = 718
+"""Pixels of an A4 page between margins of 1 cm, at 96 a inch."""
+
+WIDER = """
+const width = document.documentElement.clientWidth;
+return [...document.querySelectorAll("body *")]
+  .filter((e) => !e.closest("svg *") && e.getBoundingClientRect().right > width + 1)
+  .map((e) => `${e.tagName} ${e.className} ${e.textContent.slice(0, 40)}`);
+"""
+
+
+def test_nothing_is_wider_than_paper(page: Chrome):
+    size = page.execute_script("return [innerWidth, innerHeight]")
+    emulate(page, PAPER, 1000, media="print")
+    page.execute_script("dispatchEvent(new Event('beforeprint'))")
+    wider, faint = page.execute_script(WIDER), faint_texts(page, "body")
+    page.execute_script("dispatchEvent(new Event('afterprint'))")
+    emulate(page, *size)
+    assert wider == []
+    assert faint == []

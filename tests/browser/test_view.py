@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from chromium import chromium
+from chromium import PHONE, chromium, emulate
+from contrasts import faint_texts
 from PIL import Image
 from random_motions import random_motion
 from selenium.webdriver.common.by import By
@@ -32,12 +33,24 @@ class Shown(NamedTuple):
     browser: Any
     page: ReplayPage
     server: Any
+    url: str
 
     def until(self, condition: Callable[[], bool]) -> None:
         deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline
             time.sleep(0.1)
+
+    def click(self, words: str) -> None:
+        found = (By.XPATH, f"//*[normalize-space(text())='{words}']")
+        self.until(lambda: len(self.browser.find_elements(*found)) == 1)
+        self.browser.find_element(*found).click()
+
+    def place(self, selector: str) -> dict[str, float]:
+        """Of the first element, once there is one."""
+        found = (By.CSS_SELECTOR, selector)
+        self.until(lambda: len(self.browser.find_elements(*found)) > 0)
+        return self.browser.find_elements(*found)[0].rect
 
     def press(self, label: str) -> None:
         found = (By.XPATH, f"//button[.='{label}']")
@@ -76,7 +89,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
         player.start()
         try:
             browser.get(url)
-            yield Shown(browser, page, server)
+            yield Shown(browser, page, server, url)
         finally:
             ended.set()
             player.join()
@@ -124,6 +137,55 @@ def test_it_can_be_scrubbed(shown: Shown):
         handle.send_keys(Keys.ARROW_RIGHT)
     shown.until(lambda: shown.page._time.value > start + 0.5)
     shown.until(lambda: shown.link_moves_from(before))
+
+
+def test_the_panel_is_beside_the_robot(shown: Shown):
+    scene, slider = shown.place("canvas"), shown.place("[role='slider']")
+    assert scene["width"] > WIDTH / 2
+    assert scene["x"] + scene["width"] <= slider["x"]
+    assert shown.place(".uplot canvas")["width"] > 200
+
+
+def test_trails_and_names_are_drawn(shown: Shown):
+    before = shown.picture()
+    shown.page._traced.value = shown.page._named.value = True
+    shown.until(lambda: shown.link_moves_from(before))
+    shown.page._traced.value = shown.page._named.value = False
+
+
+OURS = "div[style^='font-size:0.8em'], div[style^='padding:0.5em']"
+"""What this page writes itself; labels of controls are viser's."""
+
+
+def test_text_is_read_on_light_and_dark_pages(shown: Shown):
+    papers = set()
+    for query in ("?darkMode", ""):
+        shown.browser.get(shown.url + query)
+        shown.place(".uplot canvas")
+        shown.click("Show")
+        shown.until(lambda: len(shown.browser.find_elements(By.CSS_SELECTOR, OURS)) > 4)
+        assert faint_texts(shown.browser, OURS) == []
+        papers.add(
+            shown.browser.execute_script(
+                "return getComputedStyle(document.querySelector('canvas')"
+                ".closest('[style*=background-color]')).backgroundColor"
+            )
+        )
+    assert len(papers) == 2
+
+
+def test_a_phone_shows_the_robot_above_the_panel(shown: Shown):
+    emulate(shown.browser, PHONE, 800)
+    shown.browser.get(shown.url)
+    scene = shown.place("canvas")
+    assert (scene["width"], scene["height"]) == (PHONE, 800)
+    top = shown.place(".mantine-Paper-root")["y"]
+    # The robot is seen in the middle.
+    assert top > 400
+    shown.click("Plots")
+    shown.until(lambda: shown.place(".uplot canvas")["width"] > 200)
+    wide = shown.browser.execute_script("return document.documentElement.scrollWidth")
+    assert wide <= PHONE
 
 
 def test_no_error_in_the_console(shown: Shown):

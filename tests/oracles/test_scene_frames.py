@@ -3,6 +3,7 @@
 # Pinocchio is compiled and has no stubs.
 # pyright: reportAttributeAccessIssue=false
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,14 +13,16 @@ from pinocchio_model import pinocchio_model
 from random_robots import random_parents, random_quaternion, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
+from orbident.scene.ellipsoids import inertia_ellipsoids, inertia_intervals
 from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     centroidal_momentum,
-    inertia_ellipsoids,
     placed,
     reaction,
+    tips,
 )
 from orbident.scene.scene import scene_of
 
@@ -61,6 +64,56 @@ def test_ellipsoids_have_the_inertia_of_the_system(robot: Robot):
         scale = np.abs(data.Ig.inertia).max()
         np.testing.assert_allclose(turned, data.Ig.inertia, atol=1e-11 * scale, rtol=0)
         np.testing.assert_allclose(found.r_cm[k], data.com[0], atol=ROUNDING * 10)
+
+
+DRAWS = 2000
+
+
+def test_intervals_of_half_axes_are_those_of_random_draws(robot: Robot):
+    """Of robots drawn from the covariance, along the axes of the mean one."""
+    random, motion = np.random.default_rng(3), random_states(robot)
+    base = minimal_sets(robot).base
+    size = base.T.shape[0]
+    turn, _ = np.linalg.qr(random.standard_normal((size, size)))
+    root = 0.003 * np.abs(base.T @ robot.theta.ravel())[:, None] * turn
+    found = inertia_ellipsoids(robot, motion)
+    low, high = inertia_intervals(robot, root, motion)
+    R_WB = Rotation.from_quat(motion.x_WB).as_matrix()
+    squares = np.empty((DRAWS, 3))
+    for k in range(DRAWS):
+        off = base.theta_of @ (root @ random.standard_normal(size))
+        drawn = replace(robot, theta=robot.theta + off.reshape(robot.theta.shape))
+        theirs = pinocchio_model(drawn)
+        data = theirs.model.createData()
+        q, v = theirs.q(motion.q[0]), theirs.v(motion.w[0], motion.qd[0])
+        pin.ccrba(theirs.model, data, q, v)
+        axes = R_WB[0].T @ found.R[0]
+        moments = np.diag(axes.T @ data.Ig.inertia @ axes)
+        squares[k] = 2.5 / data.Ig.mass * (moments.sum() - 2 * moments)
+    std = (high.lengths**2 - low.lengths**2)[0] / (2 * 1.96)
+    # The deviation of so many draws is known to 1/sqrt(2 DRAWS) = 1.6 %: four of these.
+    assert np.allclose(std, squares.std(axis=0), rtol=0.064)
+    middle = (high.lengths**2 + low.lengths**2) / 2
+    assert np.allclose(middle, found.lengths**2, rtol=1e-9)
+
+
+def test_tips_are_as_far_behind_the_cm_as_the_joint_is_before(robot: Robot):
+    motion = random_states(robot)
+    at = placed(scene_of(robot), motion, np.zeros((TIMES, len(robot.wheels))))
+    theirs = pinocchio_model(robot)
+    data, last = theirs.model.createData(), set(range(len(robot.bodies)))
+    last -= {joint.parent for joint in robot.joints}
+    found = tips(robot, at)
+    assert set(found) == {f"tip of {robot.bodies[i]}" for i in last}
+    for k in range(TIMES):
+        q = theirs.q(motion.q[k])
+        q[:7] = [*motion.r_S[k], *motion.x_WB[k]]
+        pin.forwardKinematics(theirs.model, data, q)
+        for i in last:
+            lever = theirs.model.inertias[theirs.bodies[i]].lever
+            end = data.oMi[theirs.bodies[i]].act(2 * lever)
+            off = found[f"tip of {robot.bodies[i]}"][k] - end
+            assert np.abs(off).max() < ROUNDING
 
 
 def test_frames_cm_and_momentum(robot: Robot):

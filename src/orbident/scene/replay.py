@@ -9,9 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
+from orbident.excitation.table_points import table_points
 from orbident.identified.prediction import Prediction, predict
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import JointState, inertia, poses
@@ -92,37 +94,10 @@ def placed(
     return FramePoses(R_WB @ R, motion.r_S[:, None] + rotate(R_WB, p))
 
 
-class InertiaEllipsoids(NamedTuple):
-    """Ellipsoids of even density, in the inertial frame."""
-
-    R: Float[np.ndarray, "n 3 3"]
-    """Their axes, as columns."""
-    r_cm: Float[np.ndarray, "n 3"]
-    """m."""
-    lengths: Float[np.ndarray, "n 3"]
-    """Half of their axes, m."""
-
-
-def inertia_ellipsoids(robot: Robot, motion: MotionHistory) -> InertiaEllipsoids:
-    """The ellipsoids with the system's mass, CM and inertia, joints held.
-
-    Moments about their axes are `I_1 = M/5 (a_2^2 + a_3^2)`, and so on; those of the
-    system are of `D` (Eq. 3), which is identified while its bodies' inertia is not.
-
-    Args:
-        robot: its `theta` decides.
-        motion: joints, attitude and place.
-    """
-    at, R_WB = inertia(robot, motion.q), quaternion_matrix(motion.x_WB)
-    moments, R = np.linalg.eigh(at.D)
-    # For a rotation: eigenvectors may be left-handed.
-    R[..., 0] *= np.linalg.det(R)[:, None]
-    squares = 2.5 / robot.mass * (moments.sum(axis=1, keepdims=True) - 2 * moments)
-    return InertiaEllipsoids(
-        R_WB @ R,
-        motion.r_S + rotate(R_WB, at.r_cm),
-        np.sqrt(np.maximum(squares, 0.0)),
-    )
+def tips(robot: Robot, at: FramePoses) -> dict[str, Float[np.ndarray, "n 3"]]:
+    """Where the last links end (`table_points`), inertial frame, m."""
+    ends = table_points(robot)[len(robot.bodies) :]
+    return {f"tip of {robot.bodies[i]}": at.p[:, i] + at.R[:, i] @ p for i, p in ends}
 
 
 def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMomentum:
@@ -170,6 +145,9 @@ class Replay(NamedTuple):
     """The motion that CAD predicts; None where it cannot, or was not asked."""
     model: Robot | None
     """The robot with the inertia that momentum is computed with; None as above."""
+    root: Float[np.ndarray, "beta beta"] | None
+    """A square root of the covariance of the model's base parameters; None where the
+    model is not identified, or the covariance not known."""
     velocity_known: bool
     """Whether the velocity of S was measured; else the system CM is taken to rest."""
     warnings: tuple[str, ...]
@@ -190,7 +168,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Replay:
             "wheels, gyro and attitude all measured, twice at least"
         )
     motion = _measured(robot, recording, t, measured)
-    return Replay(motion, None, None, robot, bool(measured.moving.any()), ())
+    return Replay(motion, None, None, robot, None, bool(measured.moving.any()), ())
 
 
 def predicted_motion(result: Result, recording: Recording) -> Replay:
@@ -203,14 +181,16 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
     """
     recording = cleaned(result.robot, recording, Settings()).recording
     try:
-        model = result.dynamics().robot
+        model = result.dynamics()
         prediction = predict(result, recording)
     except InputError as error:
         alone = recorded_motion(result.robot, recording)
         return alone._replace(model=None, warnings=(f"no prediction: {error}",))
-    motion = _measured(model, recording, prediction.t, prediction.measured)
+    motion = _measured(model.robot, recording, prediction.t, prediction.measured)
     known = bool(prediction.measured.moving.any())
-    return Replay(motion, _predicted(motion, prediction), None, model, known, ())
+    root = model.root if np.isfinite(model.root).all() else None
+    predicted = _predicted(motion, prediction)
+    return Replay(motion, predicted, None, model.robot, root, known, ())
 
 
 def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory:
@@ -218,6 +198,18 @@ def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory
     x_WB, w, v_S = prediction.x_WB, prediction.w, prediction.v_S
     r_S = measured.r_S[0] + _integral(prediction.t, v_S)
     return measured._replace(x_WB=x_WB, w=w, r_S=r_S, v_S=v_S)
+
+
+def motion_residuals(
+    measured: MotionHistory, predicted: MotionHistory
+) -> dict[str, Float[np.ndarray, "n 3"]]:
+    """Measured minus predicted, by name and unit; turns are about base axes."""
+    R_WP, R_WB = (Rotation.from_quat(each.x_WB) for each in (predicted, measured))
+    return {
+        "base rate, rad/s": measured.w - predicted.w,
+        "attitude, rad": (R_WP.inv() * R_WB).as_rotvec(),
+        "position of S, m": measured.r_S - predicted.r_S,
+    }
 
 
 def with_cad_values(result: Result) -> Result:

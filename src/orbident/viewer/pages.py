@@ -15,14 +15,16 @@ from jaxtyping import Float
 from orbident.model.rotations import UNTURNED
 from orbident.recordings.tables import read_recording
 from orbident.robot.description import Joint, Robot
+from orbident.scene.ellipsoids import inertia_ellipsoids, inertia_intervals
 from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     Replay,
     centroidal_momentum,
-    inertia_ellipsoids,
+    motion_residuals,
     placed,
     reaction,
+    tips,
 )
 from orbident.scene.scene import Scene
 from orbident.scene.shapes import CAD, IDENTIFIED
@@ -35,6 +37,7 @@ from orbident.viewer.stage import (
     Ellipsoid,
     Floor,
     Plot,
+    Trails,
     heading,
 )
 
@@ -184,11 +187,18 @@ class ReplayPage:
             self._origins = found.r_cm
         self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
         self._arrows = found and Arrows(server, found, self._stage.size)
+        paths = {"S": measured.r_S}
+        if found:
+            paths["system CM"] = found.r_cm
+        self._trails = Trails(server, paths | tips(scene.robot, at))
         self._ellipsoids = _ellipsoids(server, scene, replay, measured)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
         self._add_controls(server)
-        self._plots = _plots(server, scene, replay, measured, predicted)
+        panel = server.gui.add_panel()
+        panel.dock_below(server.gui.main_panel)
+        with panel.add_tab("Plots"):
+            self._plots = _plots(server, scene, replay, measured, predicted)
         self._playing = self._pressed = False
         self._shown = self._plotted = None
         self._pictures = 0
@@ -203,21 +213,37 @@ class ReplayPage:
             "Time, s", start, end, max((end - start) / 1000, 1e-3), start
         )
         self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value="1")
+        self._loop = gui.add_checkbox("Loop", False)
+        # Shut at first: on a phone the panel must leave room for the robot.
+        with gui.add_folder("Show", expand_by_default=False):
+            self._add_choices(gui)
+
+    def _add_choices(self, gui: Any) -> None:
         self._follow = gui.add_checkbox("Follow", True)
         names = ("Predicted", "CAD")[: len(self._robots) - 1]
         self._ghosts = [gui.add_checkbox(name, True) for name in names]
-        self._vectors = gui.add_checkbox(
-            "Momentum", True, visible=self._arrows is not None
-        )
+        self._named = gui.add_checkbox("Names", False)
         self._inertia = gui.add_checkbox(
             "Inertia",
             False,
             hint="Ellipsoids of even density with the system's mass, CM and inertia: "
-            "blue as identified, red by CAD",
+            "blue as identified, red by CAD; between the blue nets lie 95 % of what "
+            "each half axis of the blue one may be",
             visible=bool(self._ellipsoids),
+        )
+        self._vectors = gui.add_checkbox(
+            "Momentum", True, visible=self._arrows is not None
         )
         if self._arrows:
             gui.add_html(self._arrows.legend())
+        self._traced = gui.add_checkbox("Trails", False)
+        gui.add_html(self._trails.legend())
+
+    def _end(self) -> None:
+        if self._loop.value:
+            self._time.value = self._time.min
+        else:
+            self._toggle()
 
     def _toggle(self) -> None:
         self._playing = not self._playing
@@ -234,9 +260,9 @@ class ReplayPage:
             t = self._time.value + seconds * self._chosen_speed()
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
-                self._toggle()
-        boxes = self._follow, self._vectors, self._inertia, *self._ghosts
-        wanted = self._time.value, *(box.value for box in boxes)
+                self._end()
+        boxes = self._follow, self._named, self._inertia, self._vectors, self._traced
+        wanted = self._time.value, *(box.value for box in (*boxes, *self._ghosts))
         if wanted != self._shown:
             self._show(*wanted)
             self._shown = wanted
@@ -253,7 +279,14 @@ class ReplayPage:
         return float(chosen) if chosen in SPEEDS else 1.0
 
     def _show(
-        self, t: float, follow: bool, vectors: bool, inertia: bool, *ghosts: bool
+        self,
+        t: float,
+        follow: bool,
+        named: bool,
+        inertia: bool,
+        vectors: bool,
+        traced: bool,
+        *ghosts: bool,
     ) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
         origin = self._origins[k if follow else 0]
@@ -262,9 +295,12 @@ class ReplayPage:
             robot.move_to(poses.R[k], poses.p[k] - origin)
         for (ghost, _), visible in zip(self._robots[1:], ghosts, strict=True):
             ghost.show(visible)
+        self._robots[0][0].show_names(named)
         if self._arrows:
             self._arrows.move_to(k, origin)
             self._arrows.show(vectors)
+        self._trails.move_to(k, origin)
+        self._trails.show(traced)
         for ellipsoid in self._ellipsoids:
             ellipsoid.move_to(k, origin)
             ellipsoid.show(inertia)
@@ -273,7 +309,7 @@ class ReplayPage:
 def _ellipsoids(
     server: Any, scene: Scene, replay: Replay, measured: MotionHistory
 ) -> list[Ellipsoid]:
-    """The system's inertia as ellipsoids, by CAD and as identified.
+    """The system's inertia as ellipsoids, by CAD and as identified, with 95 % ends.
 
     There are none of a robot on a table, of which only one moment shows.
     """
@@ -282,10 +318,16 @@ def _ellipsoids(
     models = [("/inertia/cad", scene.robot, CAD)]
     if replay.predicted and replay.model:
         models.append(("/inertia/identified", replay.model, IDENTIFIED))
-    return [
+    drawn = [
         Ellipsoid(server, name, inertia_ellipsoids(model, measured), colour)
         for name, model, colour in models
     ]
+    if replay.model and replay.root is not None:
+        ends = inertia_intervals(replay.model, replay.root, measured)
+        for name, end in zip(("low", "high"), ends, strict=True):
+            name = f"/inertia/{name}"
+            drawn.append(Ellipsoid(server, name, end, IDENTIFIED, wireframe=True))
+    return drawn
 
 
 def slow_motion(motion: MotionHistory) -> float:
@@ -311,6 +353,13 @@ def _plots(
     joints = scene.robot.joint_names
     if joints:
         plots.append(Plot(server, "Joints, rad or m", t, measured.q, joints))
+    if predicted:
+        off = motion_residuals(measured, predicted)
+        if not replay.velocity_known:
+            del off["position of S, m"]
+        plots += [
+            Plot(server, f"Residual {name}", t, x, xyz) for name, x in off.items()
+        ]
     return plots
 
 

@@ -242,6 +242,8 @@ def open_server(host: str, port: int) -> Served:
     server.scene.configure_default_lights(cast_shadow=False)
     # What the share button makes is a public address elsewhere.
     server.gui.configure_theme(show_logo=False, show_share_button=False)
+    # Beside the robot, not before it; on a phone below it.
+    server.gui.main_panel.dock_right()
     return Served(server, _address(host, server.get_port(), gate), gate.is_open)
 
 

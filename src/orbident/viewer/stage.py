@@ -5,14 +5,15 @@ Plots over time have a line where the page is.
 """
 
 import html
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.scene.replay import CentroidalMomentum, InertiaEllipsoids
+from orbident.scene.ellipsoids import InertiaEllipsoids
+from orbident.scene.replay import CentroidalMomentum
 from orbident.scene.scene import Scene
 from orbident.scene.shapes import FAINT, Colour
 
@@ -102,6 +103,13 @@ class DrawnRobot:
         self._frames = [
             server.scene.add_frame(f"{name}/{k}", show_axes=False) for k in range(count)
         ]
+        robot = scene.robot
+        self._names = [
+            server.scene.add_label(f"{name}/{k}/name", words, visible=False)
+            for k, words in enumerate(
+                (*robot.bodies, *(wheel.name for wheel in robot.wheels))
+            )
+        ]
         for k, shape in enumerate(scene.shapes):
             server.scene.add_mesh_simple(
                 f"{name}/{shape.frame}/{k}",
@@ -125,12 +133,22 @@ class DrawnRobot:
         """Or hide."""
         self._root.visible = visible
 
+    def show_names(self, visible: bool) -> None:
+        """Of bodies and wheels, or hide them."""
+        for name in self._names:
+            name.visible = visible
+
 
 class Ellipsoid:
     """The system's inertia, as an ellipsoid of even density; hidden at first."""
 
     def __init__(
-        self, server: Any, name: str, inertia: InertiaEllipsoids, colour: Colour
+        self,
+        server: Any,
+        name: str,
+        inertia: InertiaEllipsoids,
+        colour: Colour,
+        wireframe: bool = False,
     ):
         """Draw a ball of radius 1, which is stretched.
 
@@ -139,11 +157,12 @@ class Ellipsoid:
             name: of the node, unlike every other one's.
             inertia: over time, inertial frame.
             colour: of it; it is transparent.
+            wireframe: whether it is a net.
         """
         self._inertia = inertia
         self._x = Rotation.from_matrix(inertia.R).as_quat(scalar_first=True)
         self._ball = server.scene.add_icosphere(
-            name, color=colour, opacity=FAINT, visible=False
+            name, color=colour, opacity=FAINT, wireframe=wireframe, visible=False
         )
 
     def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
@@ -164,7 +183,7 @@ LONGEST = 1.1
 SHORTEST = 0.02
 """Shorter ones are not drawn."""
 
-TOTAL: Colour = (40, 40, 40)
+TOTAL: Colour = (118, 118, 118)
 BODIES: Colour = (68, 119, 170)
 WHEELS: Colour = (238, 119, 51)
 LINEAR: Colour = (34, 136, 51)
@@ -220,11 +239,15 @@ class Arrows:
             (WHEELS, f"of which wheels; longest {angular:.3g} N m s"),
             (LINEAR, f"linear momentum; longest {linear:.3g} N s"),
         ]
-        lines = [
-            f'<div><span style="color:rgb{colour}">&#9650;</span> {text}</div>'
-            for colour, text in rows
-        ]
-        return f'<div style="font-size:0.8em;padding:0 1em">{"".join(lines)}</div>'
+        return _legend("&#9650;", rows)
+
+
+def _legend(mark: str, rows: Iterable[tuple[Colour, str]]) -> str:
+    lines = [
+        f'<div><span style="color:rgb{colour}">{mark}</span> {html.escape(text)}</div>'
+        for colour, text in rows
+    ]
+    return f'<div style="font-size:0.8em;padding:0 1em">{"".join(lines)}</div>'
 
 
 def _longest(vectors: Float[np.ndarray, "n 3"]) -> float:
@@ -233,8 +256,58 @@ def _longest(vectors: Float[np.ndarray, "n 3"]) -> float:
 
 MOST_POINTS = 400
 """Most points of a curve: the panel is not wider."""
+
+TRAILS: tuple[Colour, ...] = ((170, 51, 119), TOTAL, (153, 153, 51))
+"""Colours of trails in turn."""
+
+
+class Trails:
+    """Where points have been up to now, as lines; hidden at first."""
+
+    def __init__(self, server: Any, paths: Mapping[str, Float[np.ndarray, "n 3"]]):
+        """Nothing is drawn yet.
+
+        Args:
+            server: viser's.
+            paths: of points by their names, inertial frame, m.
+        """
+        self._paths = tuple(paths.values())
+        n = len(self._paths[0])
+        self._chosen = np.arange(0, n, -(-n // MOST_POINTS))
+        colours = [TRAILS[k % len(TRAILS)] for k in range(len(paths))]
+        self._rows = list(zip(colours, paths, strict=True))
+        self._lines = [
+            server.scene.add_line_segments(
+                f"/trails/{k}",
+                np.zeros((0, 2, 3)),
+                colour,
+                thickness=3.0,
+                thickness_units="screen",
+                visible=False,
+            )
+            for k, colour in enumerate(colours)
+        ]
+
+    def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
+        """Show them up to the time `k`, seen from `origin`."""
+        passed = np.append(self._chosen[self._chosen < k], k)
+        for line, path in zip(self._lines, self._paths, strict=True):
+            points = path[passed] - origin
+            line.points = np.stack([points[:-1], points[1:]], axis=1)
+
+    def show(self, visible: bool) -> None:
+        """Or hide."""
+        for line in self._lines:
+            line.visible = visible
+
+    def legend(self) -> str:
+        """Which colour is which point's, as HTML."""
+        return _legend("&#9644;", self._rows)
+
+
 COLOURS = ("#ee6677", "#228833", "#4477aa", "#aa3377", "#ccbb44", "#66ccee")
-NOW = "#222222"
+NOW = "#767676"
+"""Grey that is seen on a light page and on a dark one."""
 
 
 class Plot:
@@ -259,6 +332,7 @@ class Plot:
             names: of the curves.
             dashed: the same, predicted.
         """
+        self.title = title
         columns = curves if dashed is None else np.hstack([curves, dashed])
         chosen = np.arange(0, t.size, -(-t.size // MOST_POINTS))
         self._t = t[chosen]
@@ -277,7 +351,7 @@ class Plot:
             scales={"x": {"time": False}, "y": {"range": self._ends}},
             legend={"show": False},
             height=150,
-            padding=(10, 16, 0, 0),
+            padding=(10, 16, 0, 14),
         )
 
     def move_to(self, t: float) -> None:
@@ -299,7 +373,7 @@ def _colour(k: int) -> str:
 
 def _caption(title: str, names: Sequence[str], words: str) -> str:
     listed = " ".join(
-        f'<span style="color:{_colour(k)}">{html.escape(name)}</span>'
+        f'<span style="color:{_colour(k)}">&#9632;</span>&nbsp;{html.escape(name)}'
         for k, name in enumerate(names)
     )
     return (

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from made_results import REFUSED
 from random_motions import random_motion
+from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
@@ -15,6 +16,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.scene.replay import (
     centroidal_momentum,
     compared_motions,
+    motion_residuals,
     predicted_motion,
     recorded_motion,
     with_resting_cm,
@@ -74,6 +76,9 @@ def test_the_ghost_goes_where_the_robot_went(robot, flight: Recording):
     replay = predicted_motion(result, flight)
     assert replay.predicted is not None
     assert replay.warnings == ()
+    assert replay.root is not None
+    C = replay.root @ replay.root.T
+    assert np.allclose(C, result.base_covariance, atol=1e-9 * np.abs(C).max())
     # A least-squares model of noise-free data: 1e-9, times a prediction over 10 s.
     assert np.abs(replay.predicted.x_WB - replay.measured.x_WB).max() < 1e-6
     assert np.abs(replay.predicted.r_S - replay.measured.r_S).max() < 1e-3
@@ -87,6 +92,21 @@ def test_the_ghost_goes_where_the_robot_went(robot, flight: Recording):
     alone = predicted_motion(rejected, flight)
     assert alone.predicted is alone.model is None
     assert "no scale" in alone.warnings[0]
+
+
+def test_residuals_are_measured_minus_predicted(robot, flight: Recording):
+    measured = recorded_motion(robot, flight).measured
+    turn, n = Rotation.from_rotvec([0.0, 0.02, 0.0]), measured.t.size
+    up = np.array([0.0, 0.0, 3.0])
+    turned = Rotation.from_quat(measured.x_WB) * turn
+    predicted = measured._replace(
+        x_WB=turned.as_quat(), w=measured.w - 0.1, r_S=measured.r_S + up
+    )
+    w, attitude, r_S = motion_residuals(measured, predicted).values()
+    # Rounding.
+    assert np.allclose(w, 0.1, atol=1e-15)
+    assert np.allclose(attitude, np.tile([0.0, -0.02, 0.0], (n, 1)), atol=1e-12)
+    assert np.allclose(r_S, np.tile(-up, (n, 1)), atol=1e-12)
 
 
 def test_cad_goes_elsewhere_unless_it_is_right(robot, flight: Recording):

@@ -11,13 +11,15 @@ import pytest
 from random_motions import random_motion
 
 from orbident.errors import InputError
+from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
+from orbident.scene.ellipsoids import inertia_ellipsoids
 from orbident.scene.replay import (
     BasePose,
+    Replay,
     centroidal_momentum,
-    inertia_ellipsoids,
     placed,
     reaction,
     recorded_motion,
@@ -73,6 +75,31 @@ def test_playing_moves_the_robot_and_stops_at_the_end(server: Any, replay):
     assert time.value == pytest.approx(0.1)
 
 
+def test_a_loop_begins_again(server: Any, replay):
+    page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
+    control(server, "Loop").value = True
+    page._pressed = True
+    page.advance(6.0)
+    assert control(server, "Time, s").value == 0.0
+    page.advance(0.5)
+    assert control(server, "Time, s").value == 0.5
+
+
+def test_names_are_at_the_frames_where_they_are_wanted(server: Any, replay):
+    robot = load_robot(ROBOT)
+    page = ReplayPage(server, scene_of(robot), replay, "title")
+    names = [
+        server.scene.get_handle_by_name(f"/robot/{k}/name")
+        for k in range(len(robot.bodies) + len(robot.wheels))
+    ]
+    assert not any(name.visible for name in names)
+    control(server, "Names").value = True
+    page.advance(0.03)
+    assert all(name.visible for name in names)
+    wheels = [wheel.name for wheel in robot.wheels]
+    assert [name.text for name in names] == [*robot.bodies, *wheels]
+
+
 def test_scrubbing_and_hiding(server: Any, replay):
     page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
     control(server, "Time, s").value = 3.0
@@ -123,6 +150,56 @@ def test_inertia_is_shown_where_it_is_wanted(server: Any):
     lengths = inertia_ellipsoids(robot, found.measured).lengths
     (k,) = np.flatnonzero(found.measured.t == 1.0)
     assert np.allclose(balls[0].scale, lengths[k])
+
+
+def test_inertia_has_ends_where_deviations_are_known(server: Any):
+    robot = load_robot("paper-spatial")
+    found = recorded_motion(robot, simulate(robot, random_motion(robot, duration=2.0)))
+    size = minimal_sets(robot).base.T.shape[0]
+    # Of M alone: all squares of half axes are as uncertain as `D / M` makes them.
+    root = np.zeros((size, size))
+    root[0, 0] = 0.01
+    identified = found._replace(predicted=found.measured, root=root)
+    ReplayPage(server, scene_of(robot), identified, "title")
+    low, middle, high = (
+        np.array(server.scene.get_handle_by_name(f"/inertia/{name}").scale)
+        for name in ("low", "identified", "high")
+    )
+    assert np.all(low < middle)
+    assert np.all(middle < high)
+
+
+def test_trails_end_where_the_robot_is(server: Any, replay):
+    robot = load_robot(ROBOT)
+    page = ReplayPage(server, scene_of(robot), replay, "title")
+    trail = server.scene.get_handle_by_name("/trails/0")
+    assert not trail.visible
+    control(server, "Trails").value = True
+    control(server, "Time, s").value = 3.0
+    page.advance(0.03)
+    assert trail.visible
+    assert len(trail.points) > 100
+    # As the browser has them, in single precision.
+    assert np.allclose(trail.points[-1, 1], at(server, "/robot/0"), atol=1e-6)
+    moved = replay.measured.r_S[300] - replay.measured.r_S[0]
+    assert np.allclose(trail.points[-1, 1] - trail.points[0, 0], moved, atol=1e-6)
+    control(server, "Time, s").value = 0.0
+    page.advance(0.03)
+    assert len(trail.points) == 0
+
+
+def test_residuals_have_plots(server: Any, replay):
+    def titles(replay: Replay) -> list[str]:
+        server.gui.reset()
+        page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
+        return [plot.title for plot in page._plots]
+
+    assert not any(each.startswith("Residual") for each in titles(replay))
+    ghost = replay._replace(predicted=replay.measured)
+    names = ["base rate, rad/s", "attitude, rad", "position of S, m"]
+    assert titles(ghost)[-3:] == [f"Residual {name}" for name in names]
+    blind = titles(ghost._replace(velocity_known=False))
+    assert blind[-2:] == [f"Residual {name}" for name in names[:2]]
 
 
 def test_inertia_of_a_robot_on_a_table_is_no_ellipsoid(server: Any, replay):
