@@ -148,6 +148,14 @@ def test_position_alone_tells_them_apart():
     assert compare(of_a, of_b).status != "no change"
 
 
+def test_torques_without_positions():
+    """They give `pi` its scale, not the mass: that is said, and nothing else."""
+    for result in flown(torques={"std": 0.01}).results:
+        assert result.status == "rejected"
+        assert "phi and the mass are not determined" in result.refusal()
+        assert not any("torques of" in words for words in result.warnings)
+
+
 def test_without_positions_nothing_tells_them_apart():
     """What is left, `pi`, is that of the other; a mass is refused for both."""
     of_a, of_b = flown(wheel=True).results
