@@ -1,9 +1,9 @@
 """A free-flyer that grasps a payload of 8 kg, flown by MuJoCo before and after.
 
-Robot and payload are Albee's (albee/free-flyer-adaptive-control, with a paper at SciTech
-2021). His adaptive controller follows its path, while its estimate of the payload ends
+Robot and payload are from albee/free-flyer-adaptive-control, with a paper at SciTech
+2021. Its adaptive controller follows its path, while its estimate of the payload ends
 at 19.8 kg (`plot/resultsAdaptiveStep.mat`, fifth run). The wheel is ours: it gives the
-scale that his thrusters give.
+scale that thrusters give there.
 """
 
 from dataclasses import replace
