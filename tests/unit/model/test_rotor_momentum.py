@@ -10,8 +10,10 @@ from random_robots import random_robot, random_wheels
 from orbident.model.core_robot import (
     lacking_rotors,
     rotor_directions,
+    rotors_of,
     theta_with_rotors,
     undeclared_rotors,
+    with_armatures,
 )
 from orbident.model.formulas import formulas_of, not_identifiable
 from orbident.model.kinematics import inertia, momentum_regressors, poses
@@ -75,6 +77,15 @@ def test_base_parameters_are_those_that_momentum_sees(robot):
     beta = sets.beta(robot.theta)
     np.testing.assert_array_equal(beta, plain.beta(theta_with_rotors(geared)))
     np.testing.assert_allclose(sets.beta(sets.theta(beta)), beta, rtol=1e-9, atol=1e-9)
+
+
+def test_no_rotor_has_less_than_nothing(robot):
+    """What torques show below zero is none, as well known as before."""
+    found = with_armatures(robot, {"joint1": (-0.1, 0.2), "joint2": (0.3, 0.06)})
+    of_A = rotors_of(found)
+    np.testing.assert_allclose(of_A.armature, [0, 0.3, 0, 0], rtol=0, atol=1e-8)
+    std = of_A.tolerance * of_A.armature
+    np.testing.assert_allclose(std, [0.2, 0.06, 0, 0], rtol=1e-12)
 
 
 def test_formulas_name_the_rotors():
