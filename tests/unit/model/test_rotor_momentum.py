@@ -20,6 +20,7 @@ from orbident.model.kinematics import inertia, momentum_regressors, poses
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import NO_ROTOR, Coupling, GearedRotor, Robot
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import TorqueSpec
 
 SAMPLES = 40
 
@@ -95,6 +96,11 @@ def test_formulas_name_the_rotors():
     assert "4 m(link3) + Iyy(link2) + rotor(joint2) - rotor(joint3)" in words
     (first, *_) = not_identifiable(robot, sets)
     assert first.startswith("the rotors of geared motors, if 'joint1', 'joint2'")
+    assert "torques" not in first
+    with_torques = robot.sensors.model_copy(update={"torques": TorqueSpec(std=0.1)})
+    told = replace(robot, sensors=with_torques)
+    first = not_identifiable(told, minimal_sets(told))[0]
+    assert "torques show gear * (gear - 1) times inertia too" in first
     declared = replace(robot, rotors={"joint1": NO_ROTOR, "joint2": ROTOR})
     words = formulas_of(declared, sets).base.formulas
     assert "4 m(link3) + Iyy(link2) + rotor(joint2) - rotor(joint3)" in words
