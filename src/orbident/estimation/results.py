@@ -218,14 +218,14 @@ def _calibration(
 def _unused_torques(
     problem: MomentumProblem, method: str, estimate: Estimate
 ) -> list[str]:
-    """Which torques do not count, and why."""
+    """Which torques do not count, and why; none where nothing was fitted."""
     shown = joints_with_torques(problem.robot, problem.recording)
     if method != "maximum-likelihood":
         # An ideal flight shows them of every robot.
         words = f"{method} leaves torques of joints out: maximum-likelihood takes them"
         return [words] if shown and problem.robot.sensors.torques else []
     left = [name for name in shown if name not in estimate.drives]
-    if not left:
+    if not left or estimate.goodness is None:
         return []
     return [
         f"torques of {listed(left)} do not count: such a joint stands, is zero "

@@ -156,8 +156,12 @@ UNKNOWN = GearedRotor(2.0, 0.0, 0.0)
 whatever the gear is, and a joint's own entry of `H+` needs `N (N - 1) J` alone."""
 
 
+LEAST = 1e-9
+"""kg m^2: of a rotor that is as good as none, but keeps its deviation."""
+
+
 def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Robot:
-    """The robot whose rotors have these `N (N - 1) J`.
+    """The robot whose rotors have these `N (N - 1) J`, if not less than nothing.
 
     Args:
         robot: with the gears that are declared.
@@ -166,7 +170,8 @@ def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Ro
     rotors = dict(robot.rotors)
     for name, (armature, std) in found.items():
         gear = rotors.get(name, UNKNOWN).gear
-        inertia, part = armature / (gear * (gear - 1)), std / abs(armature)
+        inertia = max(armature / (gear * (gear - 1)), LEAST)
+        part = std / abs(gear * (gear - 1) * inertia)
         rotors[name] = GearedRotor(gear, inertia, part)
     return replace(robot, rotors=rotors)
 

@@ -182,10 +182,11 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
         )
     names = undeclared_rotors(robot)
     if names:
+        more = "; torques show gear * (gear - 1) times inertia too" if torques else ""
         sentences.append(
             f"the rotors of geared motors, if {listed(names)} have any: momentum shows "
             "gear times inertia, rotor(joint), only together with the link that the "
-            "joint moves; say under 'rotors' what they are, or 'none'"
+            f"joint moves{more}; say under 'rotors' what they are, or 'none'"
         )
     T = sets.base.T
     seen = np.sum(np.linalg.qr(T.T)[0] ** 2, axis=1)

@@ -28,7 +28,9 @@ from random_robots import random_parents, random_robot, random_wheels
 
 from orbident.errors import InputError
 from orbident.identified.flight_export import SOURCES, check_empty
-from orbident.robot.sensor_schema import declared_sensors
+from orbident.robot.description import GearedRotor
+from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import TorqueSpec, declared_sensors
 
 pytestmark = needs_compilers
 
@@ -85,6 +87,20 @@ def test_a_single_different_bit_is_seen(spatial: Path, built: Path, tmp_path: Pa
     steps = re.match(r"(\d+) of (\d+) steps agree", run.stdout)
     assert steps
     assert int(steps[1]) == int(steps[2]) - 1
+
+
+def test_a_robot_with_rotors_and_torques(built: Path, tmp_path: Path):
+    """Rotors are in the momentum; torques, which no filter uses, change no bit."""
+    robot = load_robot("paper-spatial")
+    rotor = GearedRotor(100.0, 1e-4, 0.2)
+    torques = robot.sensors.model_copy(update={"torques": TorqueSpec(std=0.1)})
+    robot = replace(robot, rotors=dict.fromkeys(robot.joint_names, rotor))
+    robots = {"without": robot, "with": replace(robot, sensors=torques)}
+    for name, each in robots.items():
+        exported_of(each, tmp_path / name, 12.0, 10.0)
+        assert agreed(tmp_path / name, built)[0] > 100
+    golden = [(tmp_path / name / "golden.h").read_text() for name in robots]
+    assert golden[0] == golden[1]
 
 
 def test_a_plane_robot(built: Path, tmp_path: Path):

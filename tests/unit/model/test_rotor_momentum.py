@@ -10,14 +10,17 @@ from random_robots import random_robot, random_wheels
 from orbident.model.core_robot import (
     lacking_rotors,
     rotor_directions,
+    rotors_of,
     theta_with_rotors,
     undeclared_rotors,
+    with_armatures,
 )
 from orbident.model.formulas import formulas_of, not_identifiable
 from orbident.model.kinematics import inertia, momentum_regressors, poses
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import NO_ROTOR, Coupling, GearedRotor, Robot
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import TorqueSpec
 
 SAMPLES = 40
 
@@ -77,6 +80,15 @@ def test_base_parameters_are_those_that_momentum_sees(robot):
     np.testing.assert_allclose(sets.beta(sets.theta(beta)), beta, rtol=1e-9, atol=1e-9)
 
 
+def test_no_rotor_has_less_than_nothing(robot):
+    """What torques show below zero is none, as well known as before."""
+    found = with_armatures(robot, {"joint1": (-0.1, 0.2), "joint2": (0.3, 0.06)})
+    of_A = rotors_of(found)
+    np.testing.assert_allclose(of_A.armature, [0, 0.3, 0, 0], rtol=0, atol=1e-8)
+    std = of_A.tolerance * of_A.armature
+    np.testing.assert_allclose(std, [0.2, 0.06, 0, 0], rtol=1e-12)
+
+
 def test_formulas_name_the_rotors():
     robot = replace(load_robot("paper-spatial"), rotors={})
     sets = minimal_sets(robot)
@@ -84,6 +96,11 @@ def test_formulas_name_the_rotors():
     assert "4 m(link3) + Iyy(link2) + rotor(joint2) - rotor(joint3)" in words
     (first, *_) = not_identifiable(robot, sets)
     assert first.startswith("the rotors of geared motors, if 'joint1', 'joint2'")
+    assert "torques" not in first
+    with_torques = robot.sensors.model_copy(update={"torques": TorqueSpec(std=0.1)})
+    told = replace(robot, sensors=with_torques)
+    first = not_identifiable(told, minimal_sets(told))[0]
+    assert "torques show gear * (gear - 1) times inertia too" in first
     declared = replace(robot, rotors={"joint1": NO_ROTOR, "joint2": ROTOR})
     words = formulas_of(declared, sets).base.formulas
     assert "4 m(link3) + Iyy(link2) + rotor(joint2) - rotor(joint3)" in words
