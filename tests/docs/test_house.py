@@ -11,8 +11,8 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 304,
-    "lines": 63_537,
+    "files": 305,
+    "lines": 63_819,
     "files of estimation": 49,
     "lines of estimation": 11_602,
     "files with one user": 68,

@@ -154,6 +154,7 @@ def timed(arrived: Arrived, place: str) -> Timed:
     else:
         used = np.arange(arrived.received.size)
         stamps = arrived.received
+    stamps = stamps + round(entry.offset * 1e9)
     stamps, note = continued(
         stamps,
         entry.counts,
@@ -168,7 +169,7 @@ def timed(arrived: Arrived, place: str) -> Timed:
         values=arrived.values,
         stamps=stamps[first],
         order=order[first],
-        clock="header" if by_header else entry.other_time,
+        clock=entry.sender_time if by_header else entry.other_time,
         without_stamp=arrived.stamps.size - used.size,
         duplicate=int(np.count_nonzero(~first)),
         duplicate_differs=_differing(rows, order, first),
