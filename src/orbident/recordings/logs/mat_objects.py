@@ -202,4 +202,8 @@ def _elements(array: np.ndarray) -> Iterator[Part]:
                 yield name, one[name], ""
             return
     for k, each in enumerate(array.flat):
-        yield str(k), each, ""
+        # Simulink's signals in a Dataset have names, which may be alike.
+        properties = getattr(each, "properties", None)
+        named = isinstance(properties, dict) and properties.get("Name") is not None
+        name = np.ravel(properties["Name"]) if named else np.empty(0)
+        yield f"{k}_{name[0]}" if name.dtype.kind == "U" else str(k), each, ""
