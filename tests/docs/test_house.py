@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 305,
-    "lines": 63_828,
+    "lines": 63_832,
     "files of estimation": 49,
-    "lines of estimation": 11_602,
+    "lines of estimation": 11_604,
     "files with one user": 68,
     "imports below each other": 29,
     "numbers without a reason": 38,

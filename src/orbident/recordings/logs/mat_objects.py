@@ -204,6 +204,6 @@ def _elements(array: np.ndarray) -> Iterator[Part]:
     for k, each in enumerate(array.flat):
         # Simulink's signals in a Dataset have names, which may be alike.
         properties = getattr(each, "properties", None)
-        named = isinstance(properties, dict) and properties.get("Name") is not None
-        name = np.ravel(properties["Name"]) if named else np.empty(0)
+        named = properties.get("Name") if isinstance(properties, dict) else None
+        name = np.ravel(named if named is not None else 0)
         yield f"{k}_{name[0]}" if name.dtype.kind == "U" else str(k), each, ""

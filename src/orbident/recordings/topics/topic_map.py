@@ -146,10 +146,10 @@ def _names_of(robot: Robot) -> str:
     return " ".join(f"# {robot.name} has joints {joints}; wheels {wheels}".split())
 
 
-def _listing(names: Sequence[str]) -> Iterable[str]:
+def _listing(names: Sequence[str], a_line: int = 5) -> Iterable[str]:
     yield "# fields that there are:"
-    for start in range(0, min(len(names), _SHOWN), 5):
-        part = names[start : min(start + 5, _SHOWN)]
+    for start in range(0, min(len(names), _SHOWN), a_line):
+        part = names[start : min(start + a_line, _SHOWN)]
         yield f"#   {', '.join(' '.join(each.split()) for each in part)}"
     if len(names) > _SHOWN:
         yield f"#   and {len(names) - _SHOWN} more"
@@ -159,7 +159,8 @@ def _any_message(found: Surveyed, robot: Robot | None) -> Iterable[str]:
     if found.offset is None:
         yield "# TODO stamp: {<the field that holds the time>: us}, if there is one"
     yield from _to_fill(robot)
-    yield from _listing([f"{path}{_seen(x, '')}" for path, x in found.ranges.items()])
+    seen = [f"{path}{_seen(x, '')}" for path, x in found.ranges.items()]
+    yield from _listing(seen, a_line=1)
 
 
 _RATHER: Mapping[str, tuple[float, float, str]] = {
@@ -289,7 +290,8 @@ def _joint_states(found: Surveyed, robot: Robot | None) -> Iterable[str]:
         return
     for name in found.labels:
         if name not in joints | wheels:
-            yield f"# TODO which is {as_yaml(name)}?{_seen_of_joint(found, name)}"
+            key = f"{{{as_yaml(name)}: <the robot's name>}}"
+            yield f"# TODO joints or wheels: {key}{_seen_of_joint(found, name)}"
     yield _names_of(robot)
 
 

@@ -198,4 +198,7 @@ def test_clocks_ranges_and_names(tmp_path: Path):
     assert "    joints:  # name in the messages: name in the robot\n" in proposal
     assert "      joint1: joint1  # position -89.99 to 90 (deg?)" in proposal
     assert "      rw: rw  # position 0 to 1990" in proposal
-    assert "# TODO which is lid?" in proposal
+    assert (
+        "# TODO joints or wheels: {lid: <the robot's name>}  # position 0 to 0"
+        in proposal
+    )
