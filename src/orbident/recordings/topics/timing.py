@@ -134,6 +134,8 @@ class Timed:
     """Samples that came after one with a later stamp; they are used."""
     note: str
     """What was done to a counter that began again."""
+    ahead: float
+    """s, how far the stamps are before the time of recording, the median."""
 
 
 def timed(arrived: Arrived, place: str) -> Timed:
@@ -155,6 +157,7 @@ def timed(arrived: Arrived, place: str) -> Timed:
         used = np.arange(arrived.received.size)
         stamps = arrived.received
     stamps = stamps + round(entry.offset * 1e9)
+    ahead = float(np.median(stamps - arrived.received[used])) / 1e9
     stamps, note = continued(
         stamps,
         entry.counts,
@@ -175,6 +178,7 @@ def timed(arrived: Arrived, place: str) -> Timed:
         duplicate_differs=_differing(rows, order, first),
         out_of_order=int(late),
         note=note,
+        ahead=ahead,
     )
 
 

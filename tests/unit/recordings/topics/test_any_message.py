@@ -115,6 +115,32 @@ def test_an_offset_moves_every_kind_of_time(tmp_path: Path):
         assert found.t[1] == pytest.approx(1.001, abs=1e-12)
 
 
+def test_clocks_that_were_never_set_together(tmp_path: Path):
+    """The offset that the warning gives puts them right."""
+    sent = []
+    for k in range(20):
+        t = START + 10 * MS * k
+        sent.append(imu("/imu", t + MS, t - 3200 * MS))
+        sent.append(pose("/pose", t + 4 * MS, t, [0, 0, 0, 1], [k, 0, 0]))
+    entries = """\
+  - {topic: /imu, type: sensor_msgs/Imu, take: {gyro: rad/s}, frame: base%s}
+  - topic: /pose
+    type: geometry_msgs/PoseStamped
+    take: {position: mm}
+    pose: base-in-inertial
+    point: S
+"""
+    _, report = converted(tmp_path, sent, entries % "")
+    (said,) = report.warnings[-1:]
+    # 3.2 s, less 1 ms by which it is recorded sooner after it was sent.
+    words = "the clock of '/imu' is 3.197 s behind that of '/pose', by when the"
+    assert said.startswith(words)
+    assert "'offset: 3.197'" in said
+    found, report = converted(tmp_path, sent, entries % ", offset: 3.197")
+    assert report.warnings == ()
+    assert found.t[-1] == pytest.approx(0.193, abs=1e-9)
+
+
 WRONG = {
     "another field": (
         "qq.0",
