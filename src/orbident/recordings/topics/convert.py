@@ -182,8 +182,8 @@ def clocks_apart(used: Sequence[Timed]) -> tuple[str, ...]:
     name, other = (each.values.entry.topic for each in (first, last))
     return (
         f"the clock of '{name}' is {behind:.3f} s behind that of '{other}', by when "
-        f"the messages were recorded: give '{name}' the key 'offset: {behind:.3f}', added "
-        "to one that it has",
+        f"the messages were recorded: give '{name}' 'offset: {behind:.3f}', added to "
+        "one that it has",
     )
 
 
