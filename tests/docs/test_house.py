@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 305,
-    "lines": 63_856,
+    "lines": 63_858,
     "files of estimation": 49,
     "lines of estimation": 11_604,
     "files with one user": 68,

@@ -107,6 +107,7 @@ def write_bag(
 LABORATORY = {
     "lab_msgs/msg/RigidBody": "string name\ngeometry_msgs/Pose pose\nbool seen",
     "lab_msgs/msg/Bodies": "std_msgs/Header header\nlab_msgs/RigidBody[] bodies",
+    "lab_msgs/msg/Odd": "string header\nfloat64[] transforms\nfloat64 name",
     "lab_msgs/msg/Arm": "uint64 timestamp\nfloat32[3] rate\nfloat64[] q\nstring state",
 }
 """Messages that no ROS has."""

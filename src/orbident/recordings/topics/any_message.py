@@ -100,8 +100,7 @@ class Message(Fields):
 
     def _sent(self, message: Any) -> int | None:
         if not self.stamp:
-            header = getattr(message, "header", None)
-            return header_stamp(header) if header else None
+            return header_stamp(getattr(message, "header", None))
         units = zip(self.stamp, self.counts, strict=True)
         ns = sum(self._number(message, field) * count for field, count in units)
         return round(ns) if 0 < ns < LONGEST else None

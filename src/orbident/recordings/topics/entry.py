@@ -63,8 +63,11 @@ class Extraction(NamedTuple):
 
 
 def header_stamp(header: Any) -> int:
-    """A header's stamp, ns."""
-    return header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+    """A header's stamp, ns; 0 of what is none."""
+    stamp: Any = getattr(header, "stamp", None)
+    if not (hasattr(stamp, "sec") and hasattr(stamp, "nanosec")):
+        return 0
+    return stamp.sec * 1_000_000_000 + stamp.nanosec
 
 
 class Take(MappingSchema):

@@ -140,9 +140,9 @@ class _Look:
             low, high = self.ranges.get(path, (x, x))
             # Without the NaN that either may be.
             self.ranges[path] = float(np.fmin(low, x)), float(np.fmax(high, x))
-        of = (getattr(message, "transforms", None) or [message])[0]
-        stamp = header_stamp(of.header) if hasattr(of, "header") else 0
-        if stamp:
+        inner = getattr(message, "transforms", None)
+        of = inner[0] if isinstance(inner, list) and inner else message
+        if stamp := header_stamp(getattr(of, "header", None)):
             self.times.append((stamp, received))
 
     def clock(self) -> tuple[float | None, float | None]:

@@ -141,6 +141,22 @@ def test_clocks_that_were_never_set_together(tmp_path: Path):
     assert found.t[-1] == pytest.approx(0.193, abs=1e-9)
 
 
+def test_fields_that_have_the_names_of_others(tmp_path: Path):
+    """A header that is text, transforms that are numbers, a name that is one."""
+    fields = {"header": "x", "transforms": np.array([1.0, 2.0]), "name": 3.0}
+    sent = [Sent("/odd", "lab_msgs/Odd", START + k, fields) for k in (0, 10**6)]
+    (found,) = survey_file(write_bag("mcap-ros2", tmp_path, sent, "odd"))
+    assert list(found.ranges) == ["transforms.0", "transforms.1", "name"]
+    assert found.offset is None
+    entry = (
+        "  - {topic: /odd, type: lab_msgs/Odd, take: {joint.a.position: rad}, "
+        "fields: {joint.a.position: transforms.1}}\n"
+    )
+    recording, report = converted(tmp_path, sent, entry)
+    np.testing.assert_array_equal(recording.column("joint.a.position"), [2, 2])
+    assert report.topics[0].time == "receive"
+
+
 WRONG = {
     "another field": (
         "qq.0",
