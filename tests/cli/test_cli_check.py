@@ -15,7 +15,7 @@ def test_a_new_robot_is_checked_moved_and_identified_as_it_is(
 ):
     orbident("new", "arm.yaml", *arguments).done()
     checked = orbident("check", "arm.yaml").done().out
-    assert checked.endswith("nothing is odd\n")
+    assert checked.endswith("no problems found\n")
     assert "── joint1  revolute about" in checked
     document = orbident("inspect", "arm.yaml", "--json", "-").done().json
     joints, wheels = len(document["joints"]), len(document["wheels"])
@@ -73,7 +73,7 @@ def test_bundled_robots_fit_one_screen_in_width(orbident: Orbident):
     for name in ("paper-spatial", "cepheus-like", "dual-arm"):
         lines = orbident("check", name).done().out.splitlines()
         assert max(map(len, lines)) <= 110
-        assert lines[-1] == "nothing is odd"
+        assert lines[-1] == "no problems found"
 
 
 def test_the_tree(orbident: Orbident):
@@ -88,7 +88,7 @@ def test_the_tree(orbident: Orbident):
     for words in (
         "servicer: spatial, 2 joints, 1 wheel, 46 kg nominal\n",
         "base  40 kg, CM [0.02, -0.05, -0.4] m",
-        "its frame is at S, [0, 0, 0.5] m in that of its link\n",
+        "body frame at S, [0, 0, 0.5] m from the link frame\n",
         "├── joint1  revolute about [0, 0, 1], at [0.3, 0.1, -0.5] m, in [-1, 2] rad, "
         "0.5 rad/s\n│   link1  3 kg, CM [0.1, 0.02, -0.03] m, I [",
         "│   └── joint2  revolute about [0, 1, 0], at [0.3, 0.1, 0] m\n",

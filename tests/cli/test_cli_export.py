@@ -72,10 +72,10 @@ def test_matlab(orbident: Orbident, run: str):
     words = orbident("export", run, "-o", "r.mat").done().out
     assert "r.mat: 42 parameters" in words
     # By SciPy, and by our own reader of such files: signals are topics.
-    found = loadmat("r.mat", simplify_cells=True)
+    found = loadmat("r.mat", simplify_cells=True)["identified"]
     assert found["mass"]["value"] == pytest.approx(1110.0)
     listed = orbident("topics", "r.mat").done().out
-    assert "/signals/velocity" in listed
+    assert "/identified/signals/velocity" in listed
 
 
 def test_messages(orbident: Orbident, run: str):

@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 305,
-    "lines": 63_747,
+    "files": 306,
+    "lines": 64_068,
     "files of estimation": 49,
-    "lines of estimation": 11_638,
+    "lines of estimation": 11_640,
     "files with one user": 68,
     "imports below each other": 29,
     "numbers without a reason": 38,

@@ -104,9 +104,20 @@ def write_bag(
     return writer(kind, folder / name, sent)
 
 
+LABORATORY = {
+    "lab_msgs/msg/RigidBody": "string name\ngeometry_msgs/Pose pose\nbool seen",
+    "lab_msgs/msg/Bodies": "std_msgs/Header header\nlab_msgs/RigidBody[] bodies",
+    "lab_msgs/msg/Odd": "string header\nfloat64[] transforms\nfloat64 name",
+    "lab_msgs/msg/Arm": "uint64 timestamp\nfloat32[3] rate\nfloat64[] q\nstring state",
+}
+"""Messages that no ROS has."""
+
+
 def typestore(ros1: bool) -> Any:
     """The messages of a ROS 1 or a ROS 2; the library lacks one of ROS 1's."""
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+    for name, text in LABORATORY.items():
+        store.register(get_types_from_msg(text, name))
     if ros1:
         transforms = "geometry_msgs/TransformStamped[] transforms"
         store.register(get_types_from_msg(transforms, "tf2_msgs/msg/TFMessage"))

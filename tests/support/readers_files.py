@@ -171,7 +171,7 @@ def table_bag() -> None:
 def finished_map() -> None:
     """The map of `table_bag`, as its page has it when nothing is left to decide."""
     page = ROOT / "docs" / "how-to" / "ros-bag.md"
-    (text,) = (b.text for b in blocks(page) if b.language == "yaml")
+    (text,) = (b.text for b in blocks(page) if b.title == "map.yaml")
     Path("map.yaml").write_text(text)
 
 

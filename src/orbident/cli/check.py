@@ -31,7 +31,7 @@ def check(
         output.say("sensors (SI)", *(f"  {line}" for line in sensors))
     output.say(may_act_in_words(described))
     output.say(
-        *(["odd", *(f"  {each}" for each in odd)] if odd else ["nothing is odd"])
+        *(["odd", *(f"  {each}" for each in odd)] if odd else ["no problems found"])
     )
     output.write_json(_document(described, odd))
     if view:

@@ -38,7 +38,7 @@ def robot_tree(robot: Robot) -> Tree:
     """
     tree = Tree(
         f"{robot.bodies[0]}  {_body_words(robot, 0)}\n"
-        f"its frame is at S, {_vector(robot.feature_point)} m in that of its link",
+        f"body frame at S, {_vector(robot.feature_point)} m from the link frame",
         highlight=False,
     )
     nodes = [tree]

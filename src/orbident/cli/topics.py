@@ -22,6 +22,13 @@ def topics(
         ),
     ] = None,
     preset: Preset = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ROBOT",
+            help="The robot whose joints and wheels the messages may name.",
+        ),
+    ] = None,
     force: Force = False,
 ) -> None:
     """List what another tool's file holds and propose a topic map."""
@@ -36,7 +43,8 @@ def topics(
     with progress("reading") as done:
         surveyed = oi.survey_file(file, done)
     if preset is None:
-        proposal = proposed_map(surveyed)
+        named = None if robot is None else oi.load_robot(robot)
+        proposal = proposed_map(surveyed, named)
     else:
         proposal = read_text(preset_path(known_preset(preset)))
     if out is not None:
@@ -59,19 +67,35 @@ def _rows(surveyed: Any) -> list[dict[str, Any]]:
             "messages": each.topic.count,
             "rate": each.rate,
             "names": list(each.labels),
+            "ranges": {name: list(x) for name, x in each.ranges.items()},
+            "offset": each.offset,
+            "drift": each.drift,
         }
         for each in surveyed
     ]
 
 
 def _lines(surveyed: Any) -> list[str]:
-    rows = [("topic", "type", "messages", "rate (Hz)")]
+    rows = [["topic", "type", "messages", "rate (Hz)"]]
+    clocks = any(each.offset is not None for each in surveyed)
+    if clocks:
+        rows[0] += ["header - receive (s)", "drift (ppm)"]
     for each in surveyed:
-        rate = "-" if each.rate is None else f"{each.rate:.5g}"
-        rows.append((each.topic.name, each.topic.type, str(each.topic.count), rate))
-    widths = [max(len(row[k]) for row in rows) for k in range(4)]
+        row = [each.topic.name, each.topic.type, str(each.topic.count)]
+        row.append(_cell(each.rate, ".5g"))
+        if clocks:
+            ppm = None if each.drift is None else 1e6 * each.drift
+            row += [_cell(each.offset, ".4f"), _cell(ppm, ".0f")]
+        rows.append(row)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
-        f"{name:{widths[0]}}  {kind:{widths[1]}}  {count:>{widths[2]}}  "
-        f"{rate:>{widths[3]}}"
-        for name, kind, count, rate in rows
+        "  ".join(
+            f"{cell:{'<' if k < 2 else '>'}{width}}"
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
     ]
+
+
+def _cell(x: float | None, form: str) -> str:
+    return "-" if x is None else f"{x:{form}}"

@@ -146,9 +146,10 @@ LONGEST = 63
 
 
 def write_mat(result: Result, path: Path) -> None:
-    """Write the structs `base`, `phi`, `pi`, `mass`, `signals` and what they are of.
+    """Write the struct `identified`, with `base`, `phi`, `pi`, `mass` and `signals`.
 
-    What is not determined is NaN. A signal has its own times, in s.
+    As fields these hide nothing of MATLAB's, which has a `pi` of its own. What is not
+    determined is NaN. A signal has its own times, in s.
 
     Raises:
         InputError: the result is rejected, or the file cannot be written.
@@ -181,7 +182,11 @@ def write_mat(result: Result, path: Path) -> None:
     }
     with replacing(path) as target, target.open("wb") as file:
         savemat(
-            file, content, long_field_names=True, do_compression=True, oned_as="column"
+            file,
+            {"identified": content},
+            long_field_names=True,
+            do_compression=True,
+            oned_as="column",
         )
 
 

@@ -216,8 +216,8 @@ def _compared(result: Result, own: Result, scores: Validation) -> Validation:
     apart = chi_square(d, C)
     if not apart.is_no_chance("validation"):
         reason = (
-            "the parameters differ from those that this recording alone would give by "
-            "no more than the standard deviations of both allow"
+            "the parameters agree with those that this recording alone would give, "
+            "within the standard deviations of both"
         )
         verdict = "explained"
     else:

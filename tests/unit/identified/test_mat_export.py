@@ -15,7 +15,10 @@ from orbident.identified.parameter_files import field_names, write_mat
 def test_round_trip(tmp_path: Path):
     result = report_runs.result()
     write_mat(result, tmp_path / "run.mat")
-    found = loadmat(tmp_path / "run.mat", simplify_cells=True)
+    read = loadmat(tmp_path / "run.mat", simplify_cells=True)
+    # One name: a variable `pi` would hide MATLAB's own.
+    assert [name for name in read if not name.startswith("__")] == ["identified"]
+    found = read["identified"]
     assert found["robot"] == "paper-spatial"
     assert found["method"] == "least-squares"
     assert found["level"] == result.level
@@ -45,8 +48,8 @@ def test_what_is_not_determined_is_nan(tmp_path: Path):
     values[1] = np.nan
     lost = replace(result, pi=replace(result.pi, values=values))
     write_mat(lost, tmp_path / "run.mat")
-    read = loadmat(tmp_path / "run.mat", simplify_cells=True)["pi"]["values"]
-    np.testing.assert_array_equal(read, values)
+    found = loadmat(tmp_path / "run.mat", simplify_cells=True)["identified"]
+    np.testing.assert_array_equal(found["pi"]["values"], values)
 
 
 def test_a_rejected_result_is_refused(tmp_path: Path):

@@ -19,7 +19,7 @@ from orbident.files.bounds import TOGETHER
 from orbident.gaussian import noisiest_std
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
-from orbident.preprocessing.base_motion import rate_noise
+from orbident.preprocessing.base_motion import rate_noise, same_sign
 from orbident.preprocessing.rates import through_gaps
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.columns import VECTORS
@@ -170,6 +170,8 @@ def _sensed(
     at: Float[np.ndarray, " samples"],
     samples: Float[np.ndarray, "samples axes"],
 ) -> Sensed:
+    if name == "attitude":
+        samples = same_sign(samples)
     values, rows = samples, np.searchsorted(t, at, side="right") - 1
     if not np.array_equal(rows, np.arange(t.size)):
         values = np.full((t.size, samples.shape[1]), np.nan)

@@ -31,6 +31,14 @@ class Topic:
     definition: str = field(repr=False)
     """The message definition that the bag carries; empty where it has none."""
 
+    @property
+    def is_defined(self) -> bool:
+        """Whether its messages can be decoded."""
+        with suppress(InputError):
+            self.decoder("")
+            return True
+        return False
+
     def decoder(self, place: str) -> Callable[[bytes], Any]:
         """What turns a message's bytes into the message, or None if they are not one.
 
@@ -66,6 +74,11 @@ class Topic:
                 )
         else:
             store = get_typestore(known[self.encoding])
+            if name not in store.fielddefs:
+                raise InputError(
+                    f"{place}: topic '{self.name}': the file has no definition of "
+                    f"{self.type}; record as MCAP, or by ROS 2 from Jazzy on"
+                )
         read = (
             store.deserialize_ros1 if self.encoding == "ros1" else store.deserialize_cdr
         )

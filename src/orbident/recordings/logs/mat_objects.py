@@ -202,4 +202,8 @@ def _elements(array: np.ndarray) -> Iterator[Part]:
                 yield name, one[name], ""
             return
     for k, each in enumerate(array.flat):
-        yield str(k), each, ""
+        # Simulink's signals in a Dataset have names, which may be alike.
+        properties = getattr(each, "properties", None)
+        named = properties.get("Name") if isinstance(properties, dict) else None
+        name = np.ravel(named if named is not None else 0)
+        yield f"{k}_{name[0]}" if name.dtype.kind == "U" else str(k), each, ""

@@ -167,6 +167,26 @@ def apart(topics: tuple[TopicReport, ...]) -> tuple[str, ...]:
     )
 
 
+_LATE = 1.0
+"""s: no message takes so long from its sender to the recorder."""
+
+
+def clocks_apart(used: Sequence[Timed]) -> tuple[str, ...]:
+    """A warning where senders' clocks differ by more than messages take."""
+    heard = [each for each in used if each.clock == each.values.entry.sender_time]
+    if not heard:
+        return ()
+    first, last = (pick(heard, key=lambda each: each.ahead) for pick in (min, max))
+    if (behind := last.ahead - first.ahead) < _LATE:
+        return ()
+    name, other = (each.values.entry.topic for each in (first, last))
+    return (
+        f"the clock of '{name}' is {behind:.3f} s behind that of '{other}', by when "
+        f"the messages were recorded: give '{name}' 'offset: {behind:.3f}', added to "
+        "one that it has",
+    )
+
+
 _LOOKED_AT = 65_536
 """Samples that are looked at together: of what is held, some are kept where they meet.
 """
@@ -322,7 +342,7 @@ def _written(
         start_ns=start_ns,
         duration=float(rows[-1] - rows[0]) / 1e9,
         topics=topics,
-        warnings=apart(topics),
+        warnings=(*apart(topics), *clocks_apart(used)),
     )
 
 

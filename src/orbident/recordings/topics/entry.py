@@ -13,7 +13,13 @@ from jaxtyping import Float
 from pydantic import BeforeValidator, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import MappingSchema, Name, finite_vector
+from orbident.files.schema_parts import (
+    MappingSchema,
+    Name,
+    WrongValueError,
+    finite_number,
+    finite_vector,
+)
 
 Quaternions = Float[np.ndarray, "#n 4"]
 Vectors = Float[np.ndarray, "#n 3"]
@@ -39,6 +45,8 @@ def rotate_by_quaternion(x: Quaternions, v: Vectors) -> Vectors:
     return v + 2 * np.cross(u, np.cross(u, v) + a * v)
 
 
+LONGEST = 2**62
+"""ns, 146 years; so far the sum of a time's fields goes, and its offset."""
 TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
 """What is in, or of, the base's axes."""
 AT_S = {"accelerometer", "position", "velocity", "torque"}
@@ -55,8 +63,11 @@ class Extraction(NamedTuple):
 
 
 def header_stamp(header: Any) -> int:
-    """A header's stamp, ns."""
-    return header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+    """A header's stamp, ns; 0 of what is none."""
+    stamp: Any = getattr(header, "stamp", None)
+    if not (hasattr(stamp, "sec") and hasattr(stamp, "nanosec")):
+        return 0
+    return stamp.sec * 1_000_000_000 + stamp.nanosec
 
 
 class Take(MappingSchema):
@@ -76,6 +87,13 @@ class Take(MappingSchema):
         return tuple(key for key, value in self if value is not None)
 
 
+def _offset(value: object) -> float:
+    offset = finite_number(value)
+    if abs(offset) * 1e9 > LONGEST:
+        raise WrongValueError("give at most 146 years, in s")
+    return offset
+
+
 class Entry(MappingSchema):
     """One entry: how a topic's messages become columns."""
 
@@ -83,6 +101,13 @@ class Entry(MappingSchema):
     type: str
     clock: Name | None = None
     time: Literal["header", "receive"] = "header"
+    offset: Annotated[float, BeforeValidator(_offset)] = 0.0
+    """s, added to its times: by how much its clock is behind."""
+
+    @property
+    def sender_time(self) -> str:
+        """What the sender's time is called."""
+        return "header"
 
     @property
     def other_time(self) -> str:

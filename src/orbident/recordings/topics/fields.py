@@ -1,7 +1,7 @@
-"""Fields of numbers into columns: of tables in files, and of std_msgs/Float64."""
+"""Fields of numbers into columns, of messages and of tables in files."""
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from itertools import accumulate
 from typing import Annotated, Any, Literal
@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import Name, WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.entry import Entry, Extraction, Mounted
+from orbident.recordings.topics.entry import LONGEST, Entry, Mounted
 from orbident.recordings.topics.targets import (
     DIMENSIONS,
     TIMES,
@@ -23,9 +23,6 @@ from orbident.recordings.topics.targets import (
     slots_of,
     target_of,
 )
-
-_MOST = 2**62
-"""ns, 146 years; so far the sum of the fields goes."""
 
 
 def stamp_fields(value: object) -> dict[str, str]:
@@ -70,7 +67,7 @@ def stamps_of(fields: Mapping[str, str], group: Group) -> Int[np.ndarray, " n"]:
                 f"{where} has {values.size} values, but the other part of the time has "
                 f"{stamps.size}; give fields of one length"
             )
-        part = _nanoseconds(values, unit, where, _MOST // len(fields))
+        part = _nanoseconds(values, unit, where, LONGEST // len(fields))
         stamps = stamps + part if number else part
     return stamps
 
@@ -153,6 +150,15 @@ class Fields(Filling):
     fields: Mapping[Name, Annotated[Any, BeforeValidator(slots_of)]] = Field(
         default_factory=dict
     )
+    stamp: Annotated[Mapping[str, str], BeforeValidator(stamp_fields)] = Field(
+        default_factory=dict
+    )
+    """The fields whose sum is the time, with their units."""
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Of the fields that are the time."""
+        return tuple(nanoseconds_of(unit) or 1 for unit in self.stamp.values()) or (1,)
 
     @property
     def targets(self) -> list[Target]:
@@ -210,49 +216,10 @@ class Fields(Filling):
         return given
 
 
-class Number(Fields):
-    """std_msgs/Float64: its time is when it was recorded, for there is no other."""
-
-    time: Literal["header", "receive"] = "receive"
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_data(cls, document: Any) -> Any:
-        """The one field is `data`, so that it need not be named."""
-        take = document.get("take")
-        if document.get("time") == "header":
-            raise InputError("time: a Float64 has no header; leave this key out")
-        if not isinstance(take, dict) or "fields" in document:
-            return document
-        if len(take) != 1:
-            raise InputError(
-                f"take names {len(take)} columns; a Float64 feeds one: "
-                "{wheel.<name>.speed: rad/s}"
-            )
-        return {**document, "fields": dict.fromkeys(take, "data")}
-
-    @model_validator(mode="after")
-    def _only_data(self) -> "Number":
-        for slot in self.slots:
-            if slot.field not in {"", "data"}:
-                raise InputError(
-                    f"fields: found '{slot.field}', but the one field of a Float64 is "
-                    "'data'; correct it"
-                )
-        return self
-
-    def samples(self, message: Any) -> Iterator[Extraction]:
-        """The number, wherever it is wanted."""
-        x = message.data
-        values = [s.factor * x + s.offset for s in self.slots]
-        yield Extraction(None, values)
-
-
 class Table(Fields):
     """Fields over one time: a struct, a group, a topic of a log, a whole file."""
 
-    stamp: Annotated[Mapping[str, str], BeforeValidator(stamp_fields)]
-    """The fields whose sum is the time, with their units."""
+    stamp: Annotated[Mapping[str, str], BeforeValidator(stamp_fields)] = Field()
     time: Literal["header", "receive"] = "receive"
 
     @model_validator(mode="after")
@@ -265,11 +232,6 @@ class Table(Fields):
     def other_time(self) -> str:
         """The time is a field."""
         return "stamp"
-
-    @property
-    def counts(self) -> tuple[int, ...]:
-        """Of the fields that are the time."""
-        return tuple(nanoseconds_of(unit) or 1 for unit in self.stamp.values())
 
     def rows(
         self, group: Group

@@ -18,6 +18,7 @@ from pydantic import Field, create_model, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import Name
 from orbident.recordings.columns import VECTORS
+from orbident.recordings.topics.any_message import Message
 from orbident.recordings.topics.entry import (
     Entry,
     Extraction,
@@ -26,7 +27,7 @@ from orbident.recordings.topics.entry import (
     header_stamp,
     rotate_by_quaternion,
 )
-from orbident.recordings.topics.fields import Filling, Number
+from orbident.recordings.topics.fields import Filling
 from orbident.recordings.topics.targets import (
     DIMENSION_OF,
     Target,
@@ -302,6 +303,6 @@ MESSAGE_TYPES: Mapping[str, type[Entry]] = {
         name: _with_keys(_KINDS.get(name, VectorMessage), paths)
         for name, paths in PATHS.items()
     },
-    "std_msgs/Float64": Number,
+    "std_msgs/Float64": Message,
 }
-"""The messages that can be mapped."""
+"""The messages that can be mapped without `fields`."""

@@ -2,9 +2,10 @@
 
 import os
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ from orbident.files.text import refuse_pipe
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.logs.log import KINDS, is_log, open_log
 from orbident.recordings.source import Source
+from orbident.recordings.topics.any_message import Message, numbers_of
+from orbident.recordings.topics.entry import Entry, header_stamp
 from orbident.recordings.topics.messages import MESSAGE_TYPES
 from orbident.recordings.topics.targets import TIMES
 
@@ -49,7 +52,10 @@ def open_source(path: Path) -> AbstractContextManager[Source]:
 
 
 _EXAMPLES = 200
-"""Messages of a topic that are decoded: they show which labels it has."""
+"""Messages of a topic that are decoded, the first and as many spread over the rest."""
+_FEWEST = 9
+"""Headers that tell a clock: three in each third, so that one that is off is not heard.
+"""
 _SAID_EVERY = 4096
 
 
@@ -65,7 +71,13 @@ class Surveyed:
     labels: tuple[str, ...] = ()
     """Names of joints, of transforms, or of fields, in the order of the file."""
     example: Any = field(default=None, repr=False)
-    """Its first message, where the type can be mapped."""
+    """Its first message that can be decoded."""
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Least and largest value of each number of its messages, as they are there."""
+    offset: float | None = None
+    """s, header minus receive, the median: how far the sender's clock is ahead."""
+    drift: float | None = None
+    """By how much that grows, s/s."""
 
 
 def survey_file(
@@ -116,6 +128,34 @@ class _Look:
     last: int = 0
     labels: dict[str, None] = field(default_factory=dict)
     example: Any = None
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    times: list[tuple[int, int]] = field(default_factory=list)
+    """ns, of the header and of recording."""
+
+    def take(self, received: int, message: Any, kind: type[Entry]) -> None:
+        """Looks at one message."""
+        self.labels.update(dict.fromkeys(kind.labels(message)))
+        self.example = self.example or message
+        for path, x in numbers_of(message).items():
+            low, high = self.ranges.get(path, (x, x))
+            # Without the NaN that either may be.
+            self.ranges[path] = float(np.fmin(low, x)), float(np.fmax(high, x))
+        inner = getattr(message, "transforms", None)
+        of = inner[0] if isinstance(inner, list) and inner else message
+        if stamp := header_stamp(getattr(of, "header", None)):
+            self.times.append((stamp, received))
+
+    def clock(self) -> tuple[float | None, float | None]:
+        """Header minus receive, s, and its drift: a line through medians of thirds."""
+        if len(self.times) < _FEWEST:
+            return None, None
+        sent, received = np.array(sorted(self.times, key=itemgetter(1))).T
+        ahead, t = (sent - received) / 1e9, (received - received[0]) / 1e9
+        third = len(t) // 3
+        rise, run = (
+            float(np.median(x[-third:]) - np.median(x[:third])) for x in (ahead, t)
+        )
+        return float(np.median(ahead)), rise / run if run > 0 else None
 
 
 def _looked_through(source: Source, said: Callable[[float], None]) -> dict[str, _Look]:
@@ -123,20 +163,21 @@ def _looked_through(source: Source, said: Callable[[float], None]) -> dict[str, 
     decoders = {
         name: topic.decoder(str(source.path))
         for name, topic in streams.items()
-        if topic.type in MESSAGE_TYPES and topic.encoding in {"ros1", "cdr"}
+        if topic.encoding in {"ros1", "cdr"}
+        and (topic.type in MESSAGE_TYPES or topic.is_defined)
     }
+    spread = {n: max(topic.count // _EXAMPLES, 1) for n, topic in streams.items()}
     total = sum(topic.count for topic in streams.values())
     looks = defaultdict(_Look)
     for number, (name, received, data) in enumerate(source.messages(streams)):
         look = looks[name]
         look.first = min(look.first, received) if look.count else received
         look.last = max(look.last, received)
-        if name in decoders and look.count < _EXAMPLES:
-            message = decoders[name](data)
+        if look.count < _EXAMPLES or not look.count % spread[name]:
+            message = decoders[name](data) if name in decoders else None
             if message is not None:
-                labels = MESSAGE_TYPES[streams[name].type].labels(message)
-                look.labels.update(dict.fromkeys(labels))
-                look.example = look.example or message
+                kind = MESSAGE_TYPES.get(streams[name].type, Message)
+                look.take(received, message, kind)
         look.count += 1
         if number % _SAID_EVERY == 0:
             said(min(number / total, 1.0))
@@ -146,4 +187,5 @@ def _looked_through(source: Source, said: Callable[[float], None]) -> dict[str, 
 def _surveyed(topic: "Topic", look: _Look) -> Surveyed:
     span = look.last - look.first
     rate = (look.count - 1) * 1e9 / span if span > 0 else None
-    return Surveyed(topic, rate, tuple(look.labels), look.example)
+    labels = tuple(look.labels)
+    return Surveyed(topic, rate, labels, look.example, look.ranges, *look.clock())

@@ -134,6 +134,8 @@ class Timed:
     """Samples that came after one with a later stamp; they are used."""
     note: str
     """What was done to a counter that began again."""
+    ahead: float
+    """s, how far the stamps are before the time of recording, the median."""
 
 
 def timed(arrived: Arrived, place: str) -> Timed:
@@ -154,6 +156,8 @@ def timed(arrived: Arrived, place: str) -> Timed:
     else:
         used = np.arange(arrived.received.size)
         stamps = arrived.received
+    stamps = stamps + round(entry.offset * 1e9)
+    ahead = float(np.median(stamps - arrived.received[used])) / 1e9
     stamps, note = continued(
         stamps,
         entry.counts,
@@ -168,12 +172,13 @@ def timed(arrived: Arrived, place: str) -> Timed:
         values=arrived.values,
         stamps=stamps[first],
         order=order[first],
-        clock="header" if by_header else entry.other_time,
+        clock=entry.sender_time if by_header else entry.other_time,
         without_stamp=arrived.stamps.size - used.size,
         duplicate=int(np.count_nonzero(~first)),
         duplicate_differs=_differing(rows, order, first),
         out_of_order=int(late),
         note=note,
+        ahead=ahead,
     )
 
 

@@ -5,24 +5,29 @@ SI, stated so that they can be checked. What no message tells (frames, direction
 number feeds what) is missing, so the map does not load until it is filled in.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 import yaml
 from pydantic import Field
 
 from orbident.errors import InputError
-from orbident.files.names import suggestion
+from orbident.files.names import joined, suggestion
 from orbident.files.schema_parts import MappingSchema, read_yaml_mapping, validated
 from orbident.files.text import read_text
 from orbident.recordings.columns import VECTORS, is_known, vector_columns
 from orbident.recordings.logs.group import Group, listed_fields
+from orbident.recordings.topics.any_message import Message
 from orbident.recordings.topics.entry import Entry
 from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
 from orbident.recordings.topics.presets import preset_path, preset_topics, presets
 from orbident.recordings.topics.survey import Surveyed
+from orbident.recordings.topics.targets import DIMENSION_OF
+from orbident.robot.description import Robot
 
 SCHEMA = "orbident/topic-map/1"
 
@@ -71,10 +76,16 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
             f"{place}: type: this key is missing; add it, 'orbident topics' shows it"
         )
     kind = str(document["type"]).replace("/msg/", "/")
-    if kind not in TYPES:
+    if kind != "table" and "fields" in document:
+        entry = Message
+    elif kind in TYPES:
+        entry = TYPES[kind]
+    else:
         known = suggestion(kind, TYPES, "types")
-        raise InputError(f"{place}: type: '{kind}' cannot be mapped; {known}")
-    return validated(TYPES[kind], {**document, "type": kind}, place)
+        raise InputError(
+            f"{place}: type: '{kind}' cannot be mapped without 'fields'; {known}"
+        )
+    return validated(entry, {**document, "type": kind}, place)
 
 
 _UNITS = {
@@ -91,7 +102,7 @@ _SHOWN = 100
 """Fields that are listed."""
 
 
-def proposed_table(group: Group) -> Iterable[str]:
+def proposed_table(group: Group, robot: Robot | None) -> Iterable[str]:
     """Lines of YAML: the time, what has a column's name already, and the fields."""
     time = group.time
     if time is None:
@@ -109,25 +120,75 @@ def proposed_table(group: Group) -> Iterable[str]:
             yield "frame: base  # check; else 'rotation: [x, y, z, w]' to the base's"
             yield "point: S  # check that the feature point is what is measured"
     else:
-        yield "# TODO what is taken, with its unit, and the fields that it is made of:"
-        yield "# take: {joint.<name>.position: rad, gyro: deg/s}"
-        yield "# fields: {joint.<name>.position: q1, gyro: [wx, -wy, wz]}"
-        yield "# frame: base"
+        yield from _to_fill(robot)
     names = [
         f"{name} in {group.unit(name)}" if group.unit(name) else name
         for name in listed_fields(group)
         if name != time
     ]
-    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-    yield "# fields that there are:"
-    for start in range(0, min(len(names), _SHOWN), 5):
-        part = names[start : min(start + 5, _SHOWN)]
-        yield f"#   {', '.join(' '.join(each.split()) for each in part)}"
-    if more:
-        yield f"#  {more}"
+    yield from _listing(names)
     for name, field in group.fields.items():
         if field.problem:
             yield " ".join(f"# {name} {field.problem}".split())
+
+
+def _to_fill(robot: Robot | None) -> Iterable[str]:
+    yield "# TODO what is taken, with its unit, and the fields that it is made of:"
+    yield "# take: {joint.<name>.position: rad, gyro: deg/s}"
+    yield "# fields: {joint.<name>.position: q1, gyro: [wx, -wy, wz]}"
+    yield "# frame: base"
+    if robot is not None:
+        yield _names_of(robot)
+
+
+def _names_of(robot: Robot) -> str:
+    joints, wheels = joined(robot.joint_names), joined(robot.wheel_names)
+    return " ".join(f"# {robot.name} has joints {joints}; wheels {wheels}".split())
+
+
+def _listing(names: Sequence[str], a_line: int = 5) -> Iterable[str]:
+    yield "# fields that there are:"
+    for start in range(0, min(len(names), _SHOWN), a_line):
+        part = names[start : min(start + a_line, _SHOWN)]
+        yield f"#   {', '.join(' '.join(each.split()) for each in part)}"
+    if len(names) > _SHOWN:
+        yield f"#   and {len(names) - _SHOWN} more"
+
+
+def _any_message(found: Surveyed, robot: Robot | None) -> Iterable[str]:
+    if found.offset is None:
+        yield "# TODO stamp: {<the field that holds the time>: us}, if there is one"
+    yield from _to_fill(robot)
+    seen = [f"{path}{_seen(x, '')}" for path, x in found.ranges.items()]
+    yield from _listing(seen, a_line=1)
+
+
+_RATHER: Mapping[str, tuple[float, float, str]] = {
+    "angle": (2 * math.pi, 1e5, "deg"),
+    "angular rate": (math.pi, 400.0, "deg/s"),
+    "length": (100.0, 1e5, "mm"),
+    "velocity": (10.0, 1e3, "mm/s"),
+    "acceleration": (0.9, 1.1, "g"),
+}
+"""Between these, the largest value in a laboratory is rather in this unit than in SI:
+joints turn at most once, a base not in two seconds, tables are below 100 m and crossed
+slower than 10 m/s, and at rest an accelerometer shows 1 g."""
+
+
+def _seen(values: tuple[float, float], dimension: str) -> str:
+    """The range of values, and the unit that it suggests."""
+    low, high = values
+    least, most, unit = _RATHER.get(dimension, (0.0, 0.0, ""))
+    rather = f" ({unit}?)" if least < max(-low, high) < most else ""
+    return f" {low:.4g} to {high:.4g}{rather}"
+
+
+def _seen_of(found: Surveyed, name: str, path: str) -> str:
+    """A vector's range, of all its axes."""
+    some = [x for key, x in found.ranges.items() if f".{path}." in f".{key}"]
+    low, high = np.array(some).T
+    seen = float(np.fmin.reduce(low)), float(np.fmax.reduce(high))
+    return f"#   {name}{_seen(seen, DIMENSION_OF.get(name, ''))}"
 
 
 def _known(group: Group) -> dict[str, tuple[str, str]]:
@@ -163,8 +224,13 @@ _POINT = (
 )
 
 
-def proposed_map(surveyed: Sequence[Surveyed]) -> str:
-    """The YAML text of a topic map; a person completes it at each TODO."""
+def proposed_map(surveyed: Sequence[Surveyed], robot: Robot | None = None) -> str:
+    """The YAML text of a topic map; a person completes it at each TODO.
+
+    Args:
+        surveyed: what is in the file.
+        robot: whose joints and wheels may have the names that are in the messages.
+    """
     lines = [
         "# Proposed by 'orbident topics'. Decide at every TODO; delete the topics that",
         "# are not needed. Two topics cannot feed one column: keep the better one.",
@@ -177,18 +243,18 @@ def proposed_map(surveyed: Sequence[Surveyed]) -> str:
         "topics:",
     ]
     for each in surveyed:
-        topic = each.topic
+        topic, propose = each.topic, _PROPOSALS.get(each.topic.type, _any_message)
         if not topic.count:
             lines.append(f"  # {topic.name} ({topic.type}) has nothing to take")
             continue
         if isinstance(topic, Group):
-            body = ["type: table", *proposed_table(topic)]
+            body = ["type: table", *proposed_table(topic, robot)]
+        elif each.ranges:
+            body = [f"type: {topic.type}", *propose(each, robot)]
         else:
-            propose = _PROPOSALS.get(topic.type)
-            if propose is None or each.example is None:
-                lines.append(f"  # {topic.name} ({topic.type}) cannot be mapped")
-                continue
-            body = [f"type: {topic.type}", *propose(each)]
+            lines.append(f"  # {topic.name} ({topic.type}) cannot be mapped: it has no")
+            lines.append("  #   numbers, or the file has no definition of it")
+            continue
         lines.append(f"  - topic: {as_yaml(topic.name)}")
         lines += [f"    {line}" for line in body]
     return "\n".join(lines) + "\n"
@@ -205,18 +271,41 @@ def _fits(name: str, surveyed: Sequence[Surveyed]) -> bool:
     return len(found) >= wanted
 
 
-def _joint_states(found: Surveyed) -> Iterable[str]:
+def _joint_states(found: Surveyed, robot: Robot | None) -> Iterable[str]:
     units = {"position": "rad", "velocity": "rad/s"}
     given = {key: u for key, u in units.items() if len(getattr(found.example, key))}
     yield _take(given or units)
     yield "# TODO prismatic joints (m, m/s) need an entry of their own"
-    yield "joints:  # name in the messages: name in the robot"
-    yield from (f"  {as_yaml(name)}: {as_yaml(name)}" for name in found.labels)
-    yield "# TODO move reaction wheels to"
-    yield "# wheels: {name in the messages: name in the robot}"
+    wheels = set(robot.wheel_names) if robot else set()
+    joints = set(robot.joint_names) if robot else set(found.labels)
+    for key, known in (("joints", joints), ("wheels", wheels)):
+        named = [name for name in found.labels if name in known]
+        if named:
+            yield f"{key}:  # name in the messages: name in the robot"
+        for name in named:
+            yield f"  {as_yaml(name)}: {as_yaml(name)}{_seen_of_joint(found, name)}"
+    if robot is None:
+        yield "# TODO move reaction wheels to"
+        yield "# wheels: {name in the messages: name in the robot}"
+        return
+    for name in found.labels:
+        if name not in joints | wheels:
+            key = f"{{{as_yaml(name)}: <the robot's name>}}"
+            yield f"# TODO joints or wheels: {key}{_seen_of_joint(found, name)}"
+    yield _names_of(robot)
 
 
-def _vectors(found: Surveyed) -> Iterable[str]:
+def _seen_of_joint(found: Surveyed, name: str) -> str:
+    dimensions = {"position": "angle", "velocity": "angular rate", "effort": ""}
+    seen = [
+        f"{key}{_seen(found.ranges[path], dimension)}"
+        for key, dimension in dimensions.items()
+        if (path := f"{key}.{name}") in found.ranges
+    ]
+    return f"  # {', '.join(seen)}" if seen else ""
+
+
+def _vectors(found: Surveyed, _: Robot | None) -> Iterable[str]:
     kind, taken, said = found.topic.type, {}, []
     for name in PATHS[kind]:
         x = getattr(found.example, "orientation", None)
@@ -225,6 +314,7 @@ def _vectors(found: Surveyed) -> Iterable[str]:
         else:
             taken[name] = _UNITS[name]
     yield _take(taken)
+    yield from (_seen_of(found, name, PATHS[kind][name]) for name in taken)
     yield from said
     if kind == "nav_msgs/Odometry":
         yield "# TODO twist: child (as the message is defined), or parent"
@@ -234,7 +324,7 @@ def _vectors(found: Surveyed) -> Iterable[str]:
     yield from (line.format(what=_AT_S[kind]) for line in _POINT)
 
 
-def _transform(found: Surveyed) -> Iterable[str]:
+def _transform(found: Surveyed, robot: Robot | None) -> Iterable[str]:
     pairs = [label.split(" -> ") for label in found.labels]
     if len(pairs) == 1:
         yield f"parent: {as_yaml(pairs[0][0])}"
@@ -243,11 +333,11 @@ def _transform(found: Surveyed) -> Iterable[str]:
         yield "# TODO parent and child, one of"
         for parent, child in pairs:
             yield f"# parent: {as_yaml(parent)}, child: {as_yaml(child)}"
-    yield from _vectors(found)
+    yield from _vectors(found, robot)
 
 
-def _float64(found: Surveyed) -> Iterable[str]:
-    del found
+def _float64(found: Surveyed, _: Robot | None) -> Iterable[str]:
+    yield f"#   data{_seen(found.ranges['data'], '')}"
     yield "# TODO take: {wheel.<name>.speed: rad/s}, or another column, and its unit"
 
 
@@ -260,7 +350,7 @@ _AT_S = {
 }
 """What of a message may be the feature point."""
 
-_PROPOSALS: Mapping[str, Callable[[Surveyed], Iterable[str]]] = {
+_PROPOSALS: Mapping[str, Callable[[Surveyed, Robot | None], Iterable[str]]] = {
     **dict.fromkeys(PATHS, _vectors),
     "sensor_msgs/JointState": _joint_states,
     "geometry_msgs/TransformStamped": _transform,

@@ -82,6 +82,20 @@ def test_a_sensor_without_samples_is_not_there(robot):
     assert "velocity" not in read(robot, silent).by_name
 
 
+def test_a_quaternion_may_have_either_sign(robot):
+    """As trackers give it; a jump to the other side is no noise of 1 rad."""
+    plain = recording(np.random.default_rng(0))
+    signs = np.random.default_rng(1).choice([-1.0, 1.0], T.size)
+    columns = {
+        name: signs * x if name.startswith("attitude") else x
+        for name, x in plain.columns.items()
+    }
+    one = read(robot, plain).by_name["attitude"]
+    other = read(robot, Recording(T, columns)).by_name["attitude"]
+    assert (other.std, other.least) == (one.std, one.least)
+    np.testing.assert_array_equal(other.values, signs[0] * one.values)
+
+
 def test_latencies_move_the_samples(robot):
     """Each at the time at which it saw the world, on the gyro's clock."""
     late = {"gyro": {"latency": 0.02}, "attitude": {"angle": 0.0, "latency": 0.03}}

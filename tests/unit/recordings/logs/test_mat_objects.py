@@ -46,6 +46,20 @@ def timeseries(data: np.ndarray, equal: bool) -> MatlabOpaque:
     return MatlabOpaque(properties=properties, classname="timeseries")
 
 
+def simulink_dataset(**signals: MatlabOpaque) -> MatlabOpaque:
+    """What Simulink logs by default: a Dataset of signals, each a timeseries."""
+    cells = np.empty((len(signals), 1), dtype=object)
+    for k, (name, values) in enumerate(signals.items()):
+        properties = {"Name": name, "Values": values}
+        cells[k, 0] = MatlabOpaque(properties, "Simulink.SimulationData.Signal")
+    storage = "Simulink.SimulationData.Storage.RamDatasetStorage"
+    properties = {
+        "Name": "logsout",
+        "Storage_": MatlabOpaque({"Elements": cells}, storage),
+    }
+    return MatlabOpaque(properties, "Simulink.SimulationData.Dataset")
+
+
 @pytest.fixture(params=["v7", "v7.3"])
 def path(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     index = pd.Index((T * 1e9).astype("m8[ns]"), name="Time")
@@ -58,6 +72,7 @@ def path(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
         "dated": pd.DataFrame({"q": 2 * T}, index=dates),
         "series": timeseries(2 * T[:, None], equal=False),
         "out": {"w": timeseries(vectors, equal=True), "t": T},
+        "logsout": simulink_dataset(q=timeseries(2 * T[:, None], equal=True)),
     }
     save_to_mat(tmp_path / "log.mat", content, version=request.param)
     return tmp_path / "log.mat"
@@ -75,6 +90,7 @@ def test_every_kind(path: Path):
             ("/dated", "q"),
             ("/series", "data"),
             ("/out/w", "data.1"),
+            ("/logsout/Storage_/Elements/0_q/Values", "data"),
         ):
             group = log.topics[topic]
             assert group.time == "time"

@@ -6,7 +6,6 @@ import pytest
 from conversions import refusal
 
 TABLE = "{topic: /, type: table, stamp: {t: s}, "
-FLOAT = "{topic: /f, type: std_msgs/Float64, "
 REFUSED = {
     "no stamp": ("{topic: /, type: table, take: {wheel.a.speed: rpm}}", "stamp: this"),
     "another unit of time": (
@@ -71,9 +70,20 @@ REFUSED = {
         TABLE + "take: {gyro.z: rad/s}, fields: {gyro.z: w}, rotation: [1, 0, 0, 0]}",
         "rotation: 'gyro.z' is one axis, which cannot be turned; take 'gyro' with",
     ),
-    "a field of a number": (
-        FLOAT + "take: {gyro: rad/s}, fields: {gyro: [0, 0, w]}, frame: base}",
-        "fields: found 'w', but the one field of a Float64 is 'data'",
+    "two times": (
+        "{topic: /m, type: lab/Body, stamp: {us: us}, time: receive, "
+        "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: rpm}}",
+        "time: the time is in 'stamp'; leave this key out",
+    ),
+    "an offset of no time": (
+        TABLE
+        + "take: {gyro.z: deg/s}, fields: {gyro.z: w}, frame: base, offset: late}",
+        "offset: found 'late'; give a finite number",
+    ),
+    "an offset beyond all clocks": (
+        TABLE
+        + "take: {gyro.z: deg/s}, fields: {gyro.z: w}, frame: base, offset: 1e10}",
+        "offset: found '1e10'; give at most 146 years, in s",
     ),
 }
 

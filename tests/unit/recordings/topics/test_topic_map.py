@@ -20,8 +20,8 @@ BASE = "frame: base}"
 REFUSED = {
     "unknown type": (
         "{topic: /c, type: sensor_msgs/Image}",
-        "'sensor_msgs/Image' cannot be mapped; did you mean 'sensor_msgs/Imu'? "
-        "known types: 'sensor_msgs/JointState'",
+        "'sensor_msgs/Image' cannot be mapped without 'fields'; did you mean "
+        "'sensor_msgs/Imu'? known types: 'sensor_msgs/JointState'",
     ),
     "no type": ("{topic: /c}", "type: this key is missing; add it"),
     "no topic": ("{type: sensor_msgs/Imu, take: {gyro: rad/s}}", "topic: this key"),
@@ -104,7 +104,7 @@ REFUSED = {
     ),
     "a number's header": (
         FLOAT + "take: {wheel.a.speed: rpm}, time: header}",
-        "a Float64 has no header",
+        "std_msgs have no header",
     ),
     "a column twice": (
         WRENCH
