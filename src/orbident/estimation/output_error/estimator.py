@@ -49,6 +49,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
 from orbident.estimation.output_error.joint_laws import (
+    ENOUGH,
     LOOSE,
     moving_alone,
     springs_of,
@@ -197,14 +198,21 @@ class OutputError:
             # Where a joint does not move yet, nothing shows how it swings: first this.
             ends = [
                 solved(
-                    parts[0], parts[0].weights, moving_alone(prior, end), end, step
+                    parts[0],
+                    parts[0].weights,
+                    moving_alone(prior, end),
+                    end,
+                    step,
+                    enough=ENOUGH,
                 ).state
                 for end in ends
             ]
             held = what_is_carried_held(prior)
             for part in parts:
                 fits = [
-                    solved(part, part.weights, held, end, step, self.steps)
+                    solved(
+                        part, part.weights, held, end, step, self.steps, enough=ENOUGH
+                    )
                     for end in ends
                 ]
                 ends = [min(fits, key=lambda fit: fit.cost).state]

@@ -25,10 +25,14 @@ times as much takes part of the place of what panels of 10 mrad show."""
 HELD = 1e-6
 """Relative standard deviation of what is held."""
 
-LOOSE = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+LOOSE = (1e-1, 1e-2, 1e-3, 1e-5)
 """The same in the fits before the last. Where a frequency is off, the phase is off by
 more and more periods, and the fit of a whole recording has many minima; that of joints
 which may move nearly as they like has one, and leads to the next."""
+
+ENOUGH = 0.01
+"""Such a fit, which only leads to the next, ends with a step that lowers the cost by a
+smaller part."""
 
 FIRST_HELD = 30.0
 """What is known of carried inertias counts so many times as much in those fits. Where

@@ -60,6 +60,7 @@ def solved(
     progress: Callable[[], object] = lambda: None,
     steps: int = STEPS,
     here: Linear | None = None,
+    enough: float = 0.0,
 ) -> Solution:
     """Search for the least cost from a given state.
 
@@ -71,6 +72,7 @@ def solved(
         progress: is called at every step.
         steps: the most steps to take.
         here: the equations at that state, where they are at hand.
+        enough: a search ends, too, with a step that lowers the cost by a smaller part.
 
     Raises:
         InputError: at the first state the equations overflow.
@@ -106,6 +108,7 @@ def solved(
             problem, weights, prior, damping, cost, there, new_cost
         )
         if new_cost < cost + SAME:
+            lowered = (cost - new_cost) / cost
             as_good = problem.gains and size < CORNER and cost - new_cost < SAME
             vain = vain + 1 if as_good else 0
             expected = change @ (2 * whole - change)
@@ -113,7 +116,7 @@ def solved(
             state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             damping = damping if damping > LEAST_DAMPING else 0.0
-            if vain == AGAIN:
+            if vain == AGAIN or lowered < enough:
                 break
         elif damping > MOST_DAMPING:
             break
