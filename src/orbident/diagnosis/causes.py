@@ -7,6 +7,7 @@ from time import process_time
 import numpy as np
 
 from orbident.choices import CauseSearch
+from orbident.diagnosis.curved_scales import curved_scales
 from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import filters, smoothed
 from orbident.diagnosis.frames import beside, missing_wheel
@@ -357,6 +358,7 @@ def _scored(
         *joint_errors(problem),
         *fast_clocks(problem),
         *filters(problem),
+        *curved_scales(problem),
     ):
         first = scores.of(suspect)
         gain = first.fall - price * first.values.size

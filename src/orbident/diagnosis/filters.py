@@ -43,15 +43,19 @@ Slopes = tuple[Float[np.ndarray, "n axes"], Float[np.ndarray, "n axes"]]
 
 
 def filters(problem: MomentumProblem) -> Iterator[Suspect]:
-    """One of all joints, and one of each sensor of the base."""
-    recording = problem.recording
-    joints = {
-        f"joint.{name}": recording.column(f"joint.{name}.position")[:, None]
-        for name in problem.robot.joint_names
-        if recording.has(f"joint.{name}.position")
-    }
-    if joints:
-        yield _filtered("joints", {x: slopes(recording.t, joints[x]) for x in joints})
+    """One of all joints, one of all tachometers, and one of each sensor of the base."""
+    recording, robot = problem.recording, problem.robot
+    for what, names in (
+        ("joints", [f"joint.{name}.position" for name in robot.joint_names]),
+        ("wheels", [f"wheel.{name}.velocity" for name in robot.wheel_names]),
+    ):
+        shown = {
+            name: slopes(recording.t, recording.column(name)[:, None])
+            for name in names
+            if recording.has(name)
+        }
+        if shown:
+            yield _filtered(what, shown)
     for sensor in ("gyro", "position", "attitude"):
         if recording.has(f"{sensor}.x"):
             yield _filter_of(problem, sensor)
@@ -129,7 +133,7 @@ def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:
             error = -c[0] * first - c[1] * second
             recording = less(recording, sensor, error)
         # Samples hold the motion of joints, and only a first guess of the base's.
-        if what == "joints":
+        if what in ("joints", "wheels"):
             return problem.amended(recording=recording)
         return replace(problem, recording=recording)
 

@@ -84,12 +84,12 @@ def less(
 
     Args:
         recording: with the sensor.
-        sensor: `joint.<name>`, a vector, or the attitude.
+        sensor: `joint.<name>`, a column, a vector, or the attitude.
         error: of an attitude the turn of the sensor in its own axes, rad.
     """
-    if sensor.startswith("joint."):
-        name = f"{sensor}.position"
-        return recording.with_columns({name: recording.columns[name] - error[:, 0]})
+    column = f"{sensor}.position" if sensor.startswith("joint.") else sensor
+    if column in recording.columns:
+        return recording.with_columns({column: recording.columns[column] - error[:, 0]})
     if sensor != "attitude":
         right = recording.vector(sensor) - error
         return recording.with_columns(of_vector(sensor, right))
@@ -112,7 +112,7 @@ SMALL_BEND = 1e-4
 
 def step(problem: MomentumProblem, sensor: str, row: int) -> Suspect:
     """The suspect that a sensor is off by a constant from one row on."""
-    t, axes = problem.recording.t, _axes(problem, sensor)
+    t, axes = problem.recording.t, axes_of(problem, sensor)
     joint = sensor.partition(".")[2]
 
     def words(c: Numbers) -> str:
@@ -136,7 +136,7 @@ def drifts(problem: MomentumProblem) -> Iterator[Suspect]:
             return f"{what} drifts by {size:.2g} (SI) over the recording"
 
         if problem.recording.has(f"{sensor}.x"):
-            yield _shifted(sensor, elapsed, _axes(problem, sensor), words)
+            yield _shifted(sensor, elapsed, axes_of(problem, sensor), words)
 
 
 def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
@@ -238,7 +238,7 @@ def _shifted(
     return Suspect(words, np.full(len(axes), SMALL), corrected)
 
 
-def _axes(problem: MomentumProblem, sensor: str) -> Float[np.ndarray, "axes all"]:
+def axes_of(problem: MomentumProblem, sensor: str) -> Float[np.ndarray, "axes all"]:
     """Those of a sensor in which it says something."""
     if sensor.startswith("joint."):
         return np.eye(1)
