@@ -136,25 +136,26 @@ def driven(
 
 
 def moving(name: str, rate: float, swing: float) -> Callable[[Trajectory], Trajectory]:
-    """A joint beside those of a trajectory: `rate t + swing sin(2 pi k t / t_f)`.
+    """A joint beside those of a trajectory: `rate t + swing (1 - cos(w t))`.
 
     Args:
         name: of the joint.
         rate: rad/s or m/s.
-        swing: at the trajectory's highest harmonic `k`, rad or m.
+        swing: at `w`, the trajectory's highest harmonic, rad or m.
     """
 
     def add(motion: Trajectory) -> Trajectory:
-        harmonics, end = motion.a.shape[1], motion.duration
-        a = np.zeros(harmonics)
-        a[-1] = swing * 2 * np.pi * harmonics / end
+        harmonics, end = motion.b.shape[1], motion.duration
+        w = 2 * np.pi * harmonics / end
+        b = np.zeros(harmonics)
+        b[-1] = swing * w
         return replace(
             motion,
             joints=(*motion.joints, name),
-            a=np.vstack([motion.a, a]),
-            b=np.vstack([motion.b, np.zeros(harmonics)]),
-            start=np.vstack([motion.start, [0.0, rate + a[-1], 0.0]]),
-            end=np.vstack([motion.end, [rate * end, rate + a[-1], 0.0]]),
+            a=np.vstack([motion.a, np.zeros(harmonics)]),
+            b=np.vstack([motion.b, b]),
+            start=np.vstack([motion.start, [0.0, rate, swing * w**2]]),
+            end=np.vstack([motion.end, [rate * end, rate, swing * w**2]]),
         )
 
     return add
