@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from acting_in_mujoco import UNSIZED, Burst, Stage
+from acting_in_mujoco import UNSIZED, Acts, Burst, Stage
 from flown import Flown, flies, flown
 from mistake import IN_SPACE, ON_TABLE, Groups, Mistake, twice
 from parts_on_board import (
@@ -217,7 +217,7 @@ class Rocking(NamedTuple):
     sizes = UNSIZED
 
 
-def acted(acts: Callable[[float], object]) -> Callable[[float], Spoil]:
+def acted(acts: Callable[[float], Acts]) -> Callable[[float], Spoil]:
     return lambda size: flies(lambda clean: flown(clean, acts=acts(size)))
 
 
