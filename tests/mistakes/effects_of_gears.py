@@ -131,10 +131,12 @@ GEARS: Groups = {
     "tachometer": (
         *twice("tachometers off by {:g} rad/s",
                lambda size: tachometers("wheels", plus(size)), 0.05, 2.0,
-               cause="offset|zero|tacho*|speed|rest wheel"),
+               # Where it turns evenly: a gain, as that of its momentum.
+               cause="offset|zero|tacho*|speed|rest wheel", unobservable=ON_TABLE),
         *twice("tachometers rounded to {:g} rad/s",
                lambda size: tachometers("wheels", rounded(size)), 0.3, 30.0,
-               cause="round*|resol*|quanti*|tacho*|speed|step wheel"),
+               cause="round*|resol*|quanti*|tacho*|speed|step wheel",
+               unobservable=ON_TABLE),
         *twice("tachometers behind filters of {:g} s", late_tachometers, 0.05, 1.0,
                cause="late|clock|delay*|filter* wheel"),
     ),
