@@ -20,7 +20,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, help="file for the table, Markdown")
     parser.add_argument("names", nargs="*", help="mistakes; all by default")
     parser.add_argument(
-        "--real-effects", action="store_true", help="what instruments and gears do"
+        "--real-effects", action="store_true", help="what real ones do, in MuJoCo"
     )
     given = parser.parse_args()
     rows = all_rows(

@@ -1,7 +1,7 @@
 """One mistake as data: how it is made, and what a message must say of it."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from recordings import ROBOTS, SPACE, TABLE
@@ -36,6 +36,15 @@ class Mistake(NamedTuple):
 def _pattern(words: str) -> str:
     """Whole words, one or several of a thing; `*` is any end."""
     return "|".join(word.replace("*", r"\w*") + "s?" for word in words.split("|"))
+
+
+def twice(
+    name: str, make: Callable[[float], Spoil], *sizes: float, cause: str, **more: Any
+) -> tuple[Mistake, ...]:
+    """One kind in several sizes; `name` has the place of the size."""
+    return tuple(
+        Mistake(name.format(size), make(size), cause, **more) for size in sizes
+    )
 
 
 Groups = Mapping[str, tuple[Mistake, ...]]

@@ -2,6 +2,7 @@
 
 from itertools import chain
 
+from flown import of_flown
 from mistake import Mistake
 from mistakes_in_columns import IN_COLUMNS
 from mistakes_in_geometry import IN_GEOMETRY
@@ -18,7 +19,7 @@ MISTAKES = tuple(
 )
 
 REAL_EFFECTS = tuple(
-    effect._replace(group=group)
+    effect._replace(group=group, spoil=of_flown(effect.spoil))
     for group, members in EFFECTS.items()
     for effect in members
 )

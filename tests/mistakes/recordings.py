@@ -67,6 +67,10 @@ class Clean:
         """Whether the robot is in space, and not on a table."""
         return self.robot.motion == "spatial"
 
+    def at(self, t: np.ndarray) -> Truth:
+        """What is true at other times, s."""
+        return motion_of(self.robot, self.joints, self.start, t)
+
     def recorded(
         self, true: Truth | None = None, sensors: Mapping[str, Any] | None = None
     ) -> Recording:
@@ -76,11 +80,15 @@ class Clean:
             true: of another motion at the same times.
             sensors: what is different about them, by sensor.
         """
-        declared = self.robot.sensors.model_dump(by_alias=True, exclude_none=True)
-        for name, changes in (sensors or {}).items():
-            declared[name] |= changes
-        robot = replace(self.robot, sensors=declared_sensors(declared))
+        robot = self.with_sensors(sensors or {})
         return measure_truth(robot, self.t, true or self.true, SEED)
+
+    def with_sensors(self, sensors: Mapping[str, Any]) -> Robot:
+        """The robot with what is different about its sensors, by sensor."""
+        declared = self.robot.sensors.model_dump(by_alias=True, exclude_none=True)
+        for name, changes in sensors.items():
+            declared[name] |= changes
+        return replace(self.robot, sensors=declared_sensors(declared))
 
 
 def motion_of(

@@ -101,7 +101,7 @@ def test_with_its_tolerance_declared_nothing_is_wrong(robot: str, name: str):
 
 HIDDEN = [
     pytest.param(robot, mistake.name, id=f"{robot}, {mistake.name}")
-    for mistake in MISTAKES
+    for mistake in (*MISTAKES, *REAL_EFFECTS)
     for robot in mistake.unobservable
 ]
 

@@ -6,7 +6,6 @@ What remains, in deviations, is what the best test that knows the cause could se
 how much the parameters move, in theirs, is the harm that is done if nobody sees it.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -85,16 +84,19 @@ class Fit:
         self.betas = self.sets.base.T.shape[0]
         self.start = noisy.start
         self.joints = Measured(self._spline())
-        turns, t = self._all("wheel", self.robot.wheel_names), self.recording.t
-        self.speed = (turns[1] - turns[0]) / (t[1] - t[0])
+        self.speed = np.array([self._speed(name) for name in self.robot.wheel_names])
         self.weights = _weights(noisy)
 
-    def _all(self, kind: str, names: Sequence[str]) -> np.ndarray:
-        columns = [self.recording.column(f"{kind}.{name}.position") for name in names]
-        return np.column_stack(columns)
+    def _speed(self, wheel: str) -> float:
+        """As its encoder shows it, or its tachometer alone, rad/s."""
+        if not self.recording.has(f"wheel.{wheel}.position"):
+            return float(self.recording.column(f"wheel.{wheel}.speed").mean())
+        turns, t = self.recording.column(f"wheel.{wheel}.position"), self.recording.t
+        return (turns[1] - turns[0]) / (t[1] - t[0])
 
     def _spline(self) -> CubicSpline:
-        q = self._all("joint", self.robot.joint_names)
+        names = [f"joint.{name}.position" for name in self.robot.joint_names]
+        q = np.column_stack([self.recording.column(name) for name in names])
         measured = np.isfinite(q).all(axis=1)
         return CubicSpline(self.recording.t[measured], q[measured])
 

@@ -188,3 +188,34 @@ def drift(start: str, rate: float) -> Spoil:
         return columns(start, lambda column: column + rate * clean.t)(clean)
 
     return spoil
+
+
+def in_time(start: str, added: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+    """Every column that begins so has something added that goes with the time."""
+
+    def spoil(clean: Clean) -> Spoiled:
+        return columns(start, lambda column: column + added(clean.t))(clean)
+
+    return spoil
+
+
+def low_passed(start: str, time: float) -> Spoil:
+    """A filter of first order with this time constant, s, as drives and gyros have."""
+    return lambda clean: columns(start, filtered(clean.t, time))(clean)
+
+
+def filtered(t: np.ndarray, time: float) -> Change:
+    """A filter of first order for evenly spaced times; axes last."""
+    keep = np.exp(-(t[1] - t[0]) / time)
+
+    def change(column: np.ndarray) -> np.ndarray:
+        out = column.copy()
+        for k in range(1, len(out)):
+            out[k] = keep * out[k - 1] + (1 - keep) * column[k]
+        return out
+
+    return change
+
+
+def rounded(step: float) -> Change:
+    return lambda column: step * np.round(column / step)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from edited_recordings import changed
-from recordings import SEED, Clean, motion_of
+from recordings import SEED, Clean
 from spoiled import Spoil, Spoiled, spoiled
 
 from orbident.model.rotations import quaternion_matrix
@@ -24,7 +24,7 @@ def clock(sensor: str, late: float, rate: float = 1.0) -> Spoil:
     def spoil(clean: Clean) -> Spoiled:
         at = rate * clean.t - late
         inside = np.clip(at, 0.0, clean.t[-1])
-        seen = motion_of(clean.robot, clean.joints, clean.start, _rising(inside))
+        seen = clean.at(_rising(inside))
         recording = clean.recorded(clean.true._replace(**_of(sensor, seen)))
         missing = {
             name: np.where((at < 0) | (at > clean.t[-1]), np.nan, column)
@@ -56,7 +56,7 @@ def jitter(part: float) -> Spoil:
         off = part * dt * random.uniform(-1, 1, clean.t.size)
         off[0] = 0.0  # The motion starts at the first time.
         at = np.clip(clean.t + off, 0.0, clean.t[-1])
-        true = motion_of(clean.robot, clean.joints, clean.start, _rising(at))
+        true = clean.at(_rising(at))
         return spoiled(clean, recording=clean.recorded(true))
 
     return spoil

@@ -23,6 +23,11 @@ PLANE = ("x", "y", "turn")
 
 
 def mujoco_model(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.MjModel:
+    """What `mujoco_spec` describes, compiled."""
+    return mujoco_spec(robot, wheel_positions).compile()
+
+
+def mujoco_spec(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.MjSpec:
     """Hinges and slides on a free joint or, in the plane, on three.
 
     Args:
@@ -64,7 +69,7 @@ def mujoco_model(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.
             theta[joint.parent] -= add_spinning(carrier, name, *place, I)
     for body, theta_i in zip(bodies, theta, strict=True):
         give_inertia(body, theta_i)
-    return spec.compile()
+    return spec
 
 
 def rotor_name(joint: str) -> str:

@@ -2,19 +2,21 @@
 
 MuJoCo integrates every body, wheel and rotor. Joints and wheels are servoed: computed
 torques that know nothing of what acts, and a PD law that holds against it. A rotor is
-held to its joint's rate times its gear by what acts between bodies of the robot.
+held to its joint's rate times its gear by what acts between bodies of the robot. What
+only MuJoCo knows of, such as a panel on a spring, no motor moves.
 """
 
 # MuJoCo is compiled, and its stubs do not say what it exports.
 # pyright: reportAttributeAccessIssue=false
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import mujoco
 import numpy as np
 from acting_in_mujoco import Acts, Capture, Stage
-from mujoco_model import PLANE, mujoco_model, rotor_name
+from mujoco_model import mujoco_spec, rotor_name
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -40,6 +42,8 @@ class Flight:
     """The wheels' speeds rise and fall once, by this part of them."""
     dt: float = STEP
     """MuJoCo's steps, s."""
+    hidden: Callable[[mujoco.MjSpec], None] = lambda _: None
+    """Adds what the robot does not have; its mass is that of no body of the robot."""
 
     def recorded(self, seed: int) -> Recording:
         """What the robot's sensors show of it, with the noise of this seed."""
@@ -74,11 +78,11 @@ class _Plant:
     def __init__(self, flight: Flight):
         self.flight, robot = flight, flight.robot
         self.planar = robot.motion == "planar"
-        self.model, acts = _embodied(robot, flight.dt), flight.acts
+        self.model, acts = _embodied(robot, flight), flight.acts
         if isinstance(acts, Capture):
             # Compiling a model calls the law that drives: this is before it is set.
             theta = acts.onto(robot.theta, robot.bodies)
-            self.after = _embodied(replace(robot, theta=theta), flight.dt)
+            self.after = _embodied(replace(robot, theta=theta), flight)
         self.data = mujoco.MjData(self.model)
         geared = {k: r for k, r in robot.rotors.items() if r.inertia}
         self.gear = np.array([rotor.gear for rotor in geared.values()])
@@ -87,10 +91,8 @@ class _Plant:
         names = (*robot.joint_names, *robot.wheel_names, *rotors)
         self.driven = np.array([model.joint(name).dofadr[0] for name in names])
         self.places = np.array([model.joint(name).qposadr[0] for name in names])
-        if self.planar:
-            self.left = np.array([model.joint(name).dofadr[0] for name in PLANE])
-        else:
-            self.left = np.arange(6)
+        # The base comes first: x, y and its turn on a table, or three and three.
+        self.left = np.setdiff1d(np.arange(model.nv), self.driven)
         self.M = np.zeros((model.nv, model.nv))
         # RK4 asks at the ends and in the middle of a step.
         halves = 2 * round(flight.motion.duration / flight.dt)
@@ -113,8 +115,8 @@ class _Plant:
         if self.planar:
             x, y, z, w = initial.attitude
             assert x == y == 0.0
-            data.qpos[self.left[2]] = 2 * np.arctan2(z, w)
-            data.qvel[self.left[2]] = initial.angular_velocity[2]
+            data.qpos[2] = 2 * np.arctan2(z, w)
+            data.qvel[2] = initial.angular_velocity[2]
         else:
             data.qpos[3:7] = np.roll(initial.attitude, 1)
             data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
@@ -158,7 +160,9 @@ class _Plant:
         a[driven[wheels:]] = self.gear * a[driven[self.geared]] + WHEEL_KD * slip
         mujoco.mj_fullM(model, data, self.M)
         M, bias = self.M, data.qfrc_bias
-        force = -bias[left] - M[np.ix_(left, driven)] @ a[driven]
+        force = (
+            data.qfrc_passive[left] - bias[left] - M[np.ix_(left, driven)] @ a[driven]
+        )
         a[left] = np.linalg.solve(M[np.ix_(left, left)], force)
         outside = np.zeros(model.nv)
         self.flight.acts(Stage(model, data, self.inside), outside)
@@ -176,8 +180,8 @@ class _Plant:
         x, v = data.qpos[self.places][:shown], data.qvel[self.driven][:shown]
         felt = np.zeros(3)
         if self.planar:
-            px, py, turn = data.qpos[self.left]
-            vx, vy, w = data.qvel[self.left]
+            px, py, turn = data.qpos[:3]
+            vx, vy, w = data.qvel[:3]
             rate, attitude = np.array([0, 0, w]), _about_z(turn)
             place, velocity = np.array([px, py, 0.0]), np.array([vx, vy, 0.0])
         else:
@@ -200,11 +204,13 @@ class _Plant:
         )
 
 
-def _embodied(robot: Robot, dt: float) -> mujoco.MjModel:
+def _embodied(robot: Robot, flight: Flight) -> mujoco.MjModel:
     """MuJoCo's model; its wheels are at the CM of the base."""
     com = robot.theta[0, 1:4] / robot.theta[0, 0]
-    model = mujoco_model(robot, [com] * len(robot.wheels))
-    model.opt.timestep = dt
+    spec = mujoco_spec(robot, [com] * len(robot.wheels))
+    flight.hidden(spec)
+    model = spec.compile()
+    model.opt.timestep = flight.dt
     return model
 
 
