@@ -176,7 +176,7 @@ def _by_trials(
     trials = [*jumped, *_tried(solved, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
-    best = _best(trials)
+    best = _best(trials, before)
     if best is not None and best.accepted:
         if corrected and before - now > MOST * (before - best.misfit):
             best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
@@ -373,13 +373,18 @@ def _as_noise(estimate: Estimate | None) -> bool:
     return bool(goodness and goodness.per_dof < NOISY**2)
 
 
-def _best(trials: list[Trial]) -> Trial | None:
-    """The best trial; of those that explain alike the one that was likelier."""
+def _best(trials: list[Trial], before: float) -> Trial | None:
+    """The best trial; of those that explain alike the one that was likelier.
+
+    Another one that explains as much is its rival.
+    """
     best = min(trials, key=_rank, default=None)
     if best is None or not best.accepted:
         return best
-    alike = best.misfit + WORTH
-    return next(one for one in trials if one.accepted and one.misfit < alike)
+    most = best.misfit + WORTH
+    first, *others = (one for one in trials if one.accepted and one.misfit < most)
+    rivals = [Rival(before - x.misfit, x.cause) for x in others]
+    return first._replace(rival=max(first.rival, *rivals)) if rivals else first
 
 
 def _rank(trial: Trial) -> tuple[bool, float]:

@@ -47,7 +47,7 @@ def filters(problem: MomentumProblem) -> Iterator[Suspect]:
     recording, robot = problem.recording, problem.robot
     for what, names in (
         ("joints", [f"joint.{name}.position" for name in robot.joint_names]),
-        ("wheels", [f"wheel.{name}.velocity" for name in robot.wheel_names]),
+        ("wheels", [f"wheel.{name}.speed" for name in robot.wheel_names]),
     ):
         shown = {
             name: slopes(recording.t, recording.column(name)[:, None])
