@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orbident.diagnosis.causes import _explained
+from orbident.diagnosis.causes import _best, _explained
 from orbident.diagnosis.trial import NONE, Rival, Trial
 from orbident.estimation.clock_search import WORTH
 
@@ -35,3 +35,19 @@ def test_either_of_two(falls):
 
 def test_what_samples_show_by_themselves_is_a_fact():
     assert "perhaps" not in words_of(Rival(900.0, "a panel swings"), seen=True)
+
+
+def test_two_that_are_accepted_and_explain_alike_are_both_named():
+    first = Trial("an axis of one wheel is tilted", True, 500.0)
+    other = Trial("an axis of another one is tilted", True, 500.0 - WORTH / 2)
+    best = _best([first, other, Trial("a panel swings", False, 400.0)], BEFORE)
+    assert best is not None and best.cause == first.cause
+    words = _explained(best, BEFORE).words
+    assert words.startswith("perhaps an axis of one wheel is tilted")
+    assert "or perhaps an axis of another one is tilted" in words
+
+
+def test_one_that_explains_more_is_alone():
+    worse = Trial("an axis of another one is tilted", True, 500.0 + 2 * WORTH)
+    best = _best([worse, Trial("an axis of one wheel is tilted", True, 500.0)], BEFORE)
+    assert best is not None and best.rival == NONE

@@ -6,6 +6,8 @@ import numpy as np
 from cause_problems import clean, fitted, problem_with
 from edited_recordings import changed
 
+from orbident.diagnosis.curved_scales import curved_scales
+from orbident.diagnosis.filters import filters
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
@@ -54,3 +56,42 @@ def test_a_wheel_that_the_robot_file_lacks():
 
 def test_no_wheel_is_missing():
     assert [*missing_wheel(problem_with())] == []
+
+
+def test_a_gyro_whose_scale_changes_with_the_rate():
+    """It shows 2 % more at its largest rate about x, and less in proportion below."""
+    rate = clean().recording.columns["gyro.x"]
+    most = np.abs(clean().recording.vector("gyro")).max()
+    problem = problem_with({"gyro.x": lambda x: x * (1 + 0.02 * np.abs(rate) / most)})
+    suspect, first = best(problem, [*curved_scales(problem), *filters(problem)])
+    assert "scale of the gyro depends on what it shows" in suspect.words(first.values)
+    # `a` of x, y, z, and then `b`.
+    assert abs(first.values[3] - 0.02) < 5 * first.std[3]
+
+
+def test_a_lens():
+    """A size that the score knows to first order."""
+    p = clean().recording.columns["position.y"]
+    most = np.abs(clean().recording.vector("position")).max()
+    problem = problem_with({"position.y": lambda y: y * (1 + 0.01 * (p / most) ** 2)})
+    suspect, first = best(problem, [*curved_scales(problem), *filters(problem)])
+    assert "scale of the position depends" in suspect.words(first.values)
+    assert abs(first.values[4] - 0.01) < 5 * first.std[4]
+
+
+def test_tachometers_behind_filters():
+    """A low-pass filter of 50 ms on all of them."""
+    robot, dt = clean().robot, 1 / clean().robot.sensors.rows_per_second
+    keep, late = np.exp(-dt / 0.05), {}
+    recording = clean().recording
+    for name in robot.wheel_names:
+        speed = np.gradient(recording.columns[f"wheel.{name}.position"], recording.t)
+        shown = speed.copy()
+        for k in range(1, shown.size):
+            shown[k] = keep * shown[k - 1] + (1 - keep) * speed[k]
+        late[f"wheel.{name}.speed"] = shown
+    fast = momentum_problem(robot, changed(recording, late), "unknown", lambda _: None)
+    words = [each.words(np.array([0.05, 0.0])) for each in filters(fast)]
+    assert (
+        "the samples of the wheels are 50 ms late, by a filter or by the clock" in words
+    )
