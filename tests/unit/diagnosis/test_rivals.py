@@ -41,7 +41,8 @@ def test_two_that_are_accepted_and_explain_alike_are_both_named():
     first = Trial("an axis of one wheel is tilted", True, 500.0)
     other = Trial("an axis of another one is tilted", True, 500.0 - WORTH / 2)
     best = _best([first, other, Trial("a panel swings", False, 400.0)], BEFORE)
-    assert best is not None and best.cause == first.cause
+    assert best is not None
+    assert best.cause == first.cause
     words = _explained(best, BEFORE).words
     assert words.startswith("perhaps an axis of one wheel is tilted")
     assert "or perhaps an axis of another one is tilted" in words
@@ -50,4 +51,5 @@ def test_two_that_are_accepted_and_explain_alike_are_both_named():
 def test_one_that_explains_more_is_alone():
     worse = Trial("an axis of another one is tilted", True, 500.0 + 2 * WORTH)
     best = _best([worse, Trial("an axis of one wheel is tilted", True, 500.0)], BEFORE)
-    assert best is not None and best.rival == NONE
+    assert best is not None
+    assert best.rival == NONE
