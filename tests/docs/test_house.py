@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 306,
-    "lines": 64_068,
+    "files": 307,
+    "lines": 64_330,
     "files of estimation": 49,
-    "lines of estimation": 11_640,
+    "lines of estimation": 11_655,
     "files with one user": 68,
     "imports below each other": 29,
     "numbers without a reason": 38,
