@@ -5,6 +5,7 @@ before. All of these are exactly the same number again and again, which noise ne
 """
 
 from collections.abc import Iterable, Mapping
+from functools import reduce
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -124,7 +125,7 @@ def zeros_alone(
         columns: of all sensors, any unit; NaN where there is no sample.
     """
     # Zeros of an attitude are none already.
-    zero = np.logical_and.reduce([(x == 0) | np.isnan(x) for x in columns.values()])
+    zero = reduce(np.logical_and, ((x == 0) | np.isnan(x) for x in columns.values()))
     before, lost = np.cumsum(zero), np.zeros(zero.size, dtype=bool)
     positions = [x for name, x in columns.items() if is_position(name)]
     for x in positions if zero.any() else ():
