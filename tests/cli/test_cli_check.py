@@ -26,6 +26,17 @@ def test_a_new_robot_is_checked_moved_and_identified_as_it_is(
     assert document["warnings"] == []
 
 
+def test_a_narrow_terminal(orbident: Orbident, monkeypatch: pytest.MonkeyPatch):
+    """Lines of the tree are broken between words, and none is cut short."""
+    wide = orbident("check", "cepheus-like").done().out
+    monkeypatch.setenv("COLUMNS", "60")
+    narrow = orbident("check", "cepheus-like").done().out
+    assert max(map(len, wide.splitlines())) > 90
+    assert max(map(len, narrow.splitlines())) <= 60
+    words = [text.replace("│", " ").split() for text in (wide, narrow)]
+    assert words[0] == words[1]
+
+
 @pytest.mark.parametrize("name", ["2026", "true", "a: b", "ä", "a'b", '"'])
 def test_a_new_robot_is_called_as_its_file(orbident: Orbident, name: str):
     orbident("new", f"{name}.yaml", "--joints", "1").done()

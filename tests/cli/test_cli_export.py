@@ -78,6 +78,22 @@ def test_matlab(orbident: Orbident, run: str):
     assert "/identified/signals/velocity" in listed
 
 
+def test_equations_in_c_and_matlab(orbident: Orbident, run: str):
+    """What is in them: `tests/oracles/test_generated_code.py`."""
+    words = orbident("export", run, "-o", "servicer.c").done().out
+    assert "servicer.c: C99, H_plus(q, H) and c_plus(q, v, c)" in words
+    assert (
+        "void H_plus(const double q[], double H[12][12]);"
+        in Path("servicer.c").read_text()
+    )
+    words = orbident("export", run, "-o", "servicer.m").done().out
+    assert "servicer.m: MATLAB, [H, c] = servicer(q, v)" in words
+    text = Path("servicer.m").read_text()
+    assert text.startswith("function [H, c] = servicer(q, v)\n")
+    orbident("export", run, "-o", "my-robot.m").refused("no name of a function")
+    assert not Path("my-robot.m").exists()
+
+
 def test_messages(orbident: Orbident, run: str):
     """With the recording that the RUN is from, its signals too; with another not."""
     arguments = ("export", run, "-o", "r.mcap", "--force", "--json", "-", "--recording")
@@ -162,7 +178,10 @@ def test_a_rejected_run(orbident: Orbident, run: str):
     path.write_text(json.dumps(document))
     resealed(Path(run))
     for arguments in (
-        *(("-o", f"a{suffix}") for suffix in (".urdf", ".xml", ".sdf", ".py", ".mat")),
+        *(
+            ("-o", f"a{suffix}")
+            for suffix in (".urdf", ".xml", ".sdf", ".py", ".c", ".m", ".mat")
+        ),
         ("-o", "a.json", "--q", "0,0,0"),
         ("-o", "a.mcap", "--recording", "r.parquet"),
     ):

@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 307,
-    "lines": 64_142,
+    "files": 308,
+    "lines": 64_414,
     "files of estimation": 49,
-    "lines of estimation": 11_655,
+    "lines of estimation": 11_670,
     "files with one user": 68,
     "imports below each other": 29,
     "numbers without a reason": 38,

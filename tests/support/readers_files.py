@@ -218,6 +218,7 @@ BEFORE: dict[str, Callable[[], None]] = {
     "docs/how-to/files-of-other-tools.md": other_tools,
     "docs/how-to/flight-computer.md": flyer,
     "docs/how-to/laboratory-checklist.md": first_result,
+    "docs/how-to/matlab.md": flyer,
     "docs/how-to/noise-of-sensors.md": at_rest,
     "docs/how-to/ros-bag.md": table_bag,
     "docs/how-to/sample-by-sample.md": flyer,

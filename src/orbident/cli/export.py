@@ -26,9 +26,9 @@ def export(
             "-o",
             metavar="FILE",
             help="The identified robot as .urdf, .xml (MJCF), .sdf or .py (Basilisk); "
-            "its parameters as .csv, .mat or, for a paper, .tex; what was measured and "
-            "predicted as .mcap, with --recording; or H+ and the Jacobians at --q as "
-            ".json.",
+            "H+ and c+ as functions in .c or .m (MATLAB); its parameters as .csv, .mat "
+            "or, for a paper, .tex; what was measured and predicted as .mcap, with "
+            "--recording; or H+ and the Jacobians at --q as .json.",
         ),
     ] = None,
     q: Annotated[
@@ -73,6 +73,8 @@ def export(
         write_motion(output, result, out, recording)
     elif suffix in MODELS:
         write_model(output, result, out)
+    elif suffix in CODE:
+        write_code(output, result, out)
     else:
         write_parameters(output, result, out)
 
@@ -158,7 +160,13 @@ MODELS = {
 }
 """Files that name bodies one by one."""
 
-SUFFIXES = (*MODELS, ".mcap", ".mat", ".csv", ".tex", ".json")
+CODE = {
+    ".c": "C99, H_plus(q, H) and c_plus(q, v, c)",
+    ".m": "MATLAB, [H, c] = {name}(q, v)",
+}
+"""Files of functions that need nothing else."""
+
+SUFFIXES = (*MODELS, *CODE, ".mcap", ".mat", ".csv", ".tex", ".json")
 
 
 def write_model(output: Any, result: Any, out: Path) -> None:
@@ -202,6 +210,22 @@ def _model_text(made: Any, suffix: str) -> tuple[str, str]:
     if suffix == ".sdf":
         return sdf(made.mechanism), made.mechanism.lacks_without_armature
     return basilisk_script(made), made.mechanism.lacks_without_armature
+
+
+def write_code(output: Any, result: Any, out: Path) -> None:
+    """`H+` and `c+` as functions in another language."""
+    from orbident.files.text import write_text
+    from orbident.identified.generated_code import equations_as_c, equations_as_matlab
+    from orbident.model.core_robot import lacking_rotors
+
+    suffix, name, model = out.suffix.lower(), out.stem, result.dynamics()
+    c = suffix == ".c"
+    write_text(out, equations_as_c(model) if c else equations_as_matlab(model, name))
+    output.say(
+        f"written: {out}: {CODE[suffix].format(name=name)}",
+        *filter(None, (lacking_rotors(model.robot),)),
+    )
+    output.write_json({"file": str(out)})
 
 
 def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:

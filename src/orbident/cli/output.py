@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, Signature, signature
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import Any
 
 from orbident.cli.options import Json, Quiet
@@ -16,7 +17,8 @@ from orbident.files.replacing import check_place
 from orbident.files.text import write_text
 
 WIDTH = 110
-"""Columns of a table, in a narrower terminal too: a number is never cut short."""
+"""Columns of a table, in a narrower terminal too: a number is never cut short. A tree,
+which is words, is as narrow as the terminal."""
 
 PERIOD = 600.0
 """Seconds before now whose progress predicts the time left: steps may take minutes."""
@@ -54,8 +56,10 @@ class Output:
     def _drawn(self, thing: Any) -> str:
         from rich.console import Console
 
-        console = Console(width=WIDTH, highlight=False)
-        table = _in_columns(thing) if isinstance(thing, DataTable) else thing
+        table, width = thing, min(WIDTH, get_terminal_size((WIDTH, 1)).columns)
+        if isinstance(thing, DataTable):
+            table, width = _in_columns(thing), WIDTH
+        console = Console(width=width, highlight=False)
         with console.capture() as drawn:
             console.print(table, markup=False)
         return "\n".join(line.rstrip() for line in drawn.get().splitlines())

@@ -139,7 +139,7 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
         yield _found(slow, "record a row at every switching of a thruster")
     for one in pulses:
         now = "accepted" if one.accepted else "still refused, so that more is wrong"
-        words = f"{one.cause}: with that put right the recording is {now}"
+        words = f"{one.cause}: with that corrected the recording is {now}"
         yield _found(words, "correct the recording or the robot file")
 
 
@@ -215,9 +215,8 @@ def _unexplained(
         yield _found(f"{happened.reason}{most}{likeliest}", happened.remedy)
     elif likeliest:
         yield _found(
-            f"perhaps {likeliest}: with that put right chi-square falls by "
-            f"{falls:.2g}, more than by any other cause that was tried, though the "
-            "recording is still refused",
+            f"perhaps {likeliest}: correcting it lowers chi-square by {falls:.2g}, "
+            "more than any other cause that was tried, but not enough",
             "see whether more than one thing is wrong: with tolerances in the robot "
             f"file errors of several instruments are estimated at once{more}",
             falls,
@@ -246,7 +245,7 @@ def _explained(best: Trial, before: float) -> Check:
             falls,
         )
     words = (
-        f"{best.cause}: with that put right the recording is accepted "
+        f"{best.cause}: with that corrected the recording is accepted "
         f"(chi-square falls by {falls:.2g})"
     )
     remedy = "correct it"

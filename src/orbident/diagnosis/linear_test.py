@@ -63,7 +63,7 @@ class CorrectedConvention(NamedTuple):
         return Check(
             "cause",
             "do not trust",
-            f"{perhaps}{self.convention.cause}: with that put right {shown}",
+            f"{perhaps}{self.convention.cause}: with that corrected {shown}",
             "correct the recording or the robot file",
             self.falls,
         )

@@ -51,6 +51,18 @@ class Parameters(JsonPart):
         """Name, formula, value and standard deviation of each."""
         return zip(self.names, self.formulas, self.values, self.std, strict=True)
 
+    def __getitem__(self, name: str) -> "Quantity":
+        """One parameter by its name, such as `sigma_1`.
+
+        Raises:
+            InputError: there is none of that name.
+        """
+        if name not in self.names:
+            hint = suggestion(name, self.names, "names")
+            raise InputError(f"no parameter {name!r}; {hint}")
+        k = self.names.index(name)
+        return Quantity(float(self.values[k]), float(self.std[k]))
+
     def __repr__(self) -> str:
         """The first of them, a line each, and how many more there are."""
         width = max(map(len, self.names[:LISTED]), default=0)
@@ -168,6 +180,10 @@ class TotalMass(Quantity):
     forms: MassRoutes = field(compare=False)
     """Eq. 32: the mass by each product form, and by every route, kg."""
 
+    def __repr__(self) -> str:
+        """The mass with its deviation and unit."""
+        return f"{super().__repr__()} kg"
+
 
 P = TypeVar("P", bound=Parameters)
 
@@ -210,8 +226,7 @@ class Identified(JsonPart):
         """
         for each in (self.base, self.pi, self.phi):
             if name in each.names:
-                k = each.names.index(name)
-                return Quantity(float(each.values[k]), float(each.std[k]))
+                return each[name]
         names = [n for each in (self.base, self.pi, self.phi) for n in each.names]
         raise InputError(f"no parameter {name!r}; {suggestion(name, names, 'names')}")
 

@@ -28,6 +28,7 @@ from orbident.recordings.no_measurements import (
     reasons_in_words,
     repeats,
     sensor_groups,
+    zeros_alone,
 )
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -127,16 +128,10 @@ def _measured_only(
     """Without samples that are no measurement, and with angles that go on."""
     moving = _moving(robot, recording)
 
-    def repeated(rows: str, names: list[str]) -> Masks:
-        same = np.ones(recording.t.size - 1, dtype=bool)
-        for name in names:
-            same &= np.diff(recording.columns[name]) == 0
-        # A table of all columns is as large as the recording.
-        table = _table(recording, names) if same.any() else np.zeros((0, 1))
-        return {(rows, why): mask for why, mask in repeats(table).items()}
-
     every = [*chain.from_iterable(sensor_groups(recording.columns).values())]
-    once = _without(recording, own, repeated, {"rows": every} if every else {})
+    once = _without(
+        recording, own, partial(_of_all, recording), {"rows": every} if every else {}
+    )
 
     def found(sensor: str, names: list[str]) -> Masks:
         table = _table(once.recording, names)
@@ -161,6 +156,19 @@ def _measured_only(
         rejected={**once.rejected, **measured.rejected},
         notes=(*recording.notes, *notes),
     )
+
+
+def _of_all(recording: Recording, rows: str, names: list[str]) -> Masks:
+    """Rows that show nothing new, or nothing at all."""
+    columns = {name: recording.columns[name] for name in names}
+    found = zeros_alone(columns)
+    same = np.ones(recording.t.size - 1, dtype=bool)
+    for column in columns.values():
+        same &= np.diff(column) == 0
+    # A table of all columns is as large as the recording.
+    if same.any():
+        found |= repeats(_table(recording, names))
+    return {(rows, why): mask for why, mask in found.items()}
 
 
 def _moving(robot: Robot, recording: Recording) -> Bool[np.ndarray, " n"]:

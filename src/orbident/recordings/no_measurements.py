@@ -5,6 +5,7 @@ before. All of these are exactly the same number again and again, which noise ne
 """
 
 from collections.abc import Iterable, Mapping
+from functools import reduce
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -104,6 +105,40 @@ def _impossible(x: Float[np.ndarray, " n"]) -> list[float]:
     middle = np.median(others)
     reach = np.abs(others - middle).max()
     return [v for v in ends if abs(v - middle) > FARTHER * reach > 0]
+
+
+def is_position(name: str) -> bool:
+    """Whether a column goes on from sample to sample, whatever acts."""
+    return name.endswith(".position") or name.split(".", 1)[0] in POSES
+
+
+def zeros_alone(
+    columns: Mapping[str, Float[np.ndarray, " n"]],
+) -> dict[str, Bool[np.ndarray, " n"]]:
+    """Which rows are no samples, although they have numbers, by reason: all are zero.
+
+    A position leaps to zero there and back, or on one side of the first and the last
+    rows: farther than from any row to the next. The rates of a robot that rests at zero
+    may leap, but its positions leave by their usual steps.
+
+    Args:
+        columns: of all sensors, any unit; NaN where there is no sample.
+    """
+    # Zeros of an attitude are none already.
+    zero = reduce(np.logical_and, ((x == 0) | np.isnan(x) for x in columns.values()))
+    before, lost = np.cumsum(zero), np.zeros(zero.size, dtype=bool)
+    positions = [x for name, x in columns.items() if is_position(name)]
+    for x in positions if zero.any() else ():
+        known = np.flatnonzero(~zero & ~np.isnan(x))
+        if known.size < FEWEST:
+            continue
+        steps = np.abs(np.diff(x[known]))[np.diff(before[known]) == 0]
+        rows = np.flatnonzero(zero & (x == 0))
+        after = np.searchsorted(known, rows)
+        ends = known[np.maximum(after - 1, 0)], known[np.minimum(after, known.size - 1)]
+        nearest = np.minimum(*(np.abs(x[end]) for end in ends))
+        lost[rows] |= nearest > steps.max(initial=0.0)
+    return {"sample of zeros alone": lost} if lost.any() else {}
 
 
 def repeats(

@@ -175,8 +175,8 @@ def routes_left_out(routes: MassRoutes) -> list[str]:
     if not routes.left_out:
         return []
     return [
-        f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are beyond "
-        "a tenth of it"
+        f"{routes.left_out} further forms of Eq. 32 are too uncertain to be listed: "
+        "their deviations are beyond a tenth of the mass"
     ]
 
 

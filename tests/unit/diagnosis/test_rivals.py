@@ -21,7 +21,7 @@ def words_of(rival: Rival, seen: bool = False) -> str:
 )
 def test_a_fact(rival):
     words = words_of(rival)
-    assert words.startswith("the gyro is late: with that put right")
+    assert words.startswith("the gyro is late: with that corrected")
     assert "perhaps" not in words
 
 

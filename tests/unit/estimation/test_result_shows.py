@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from made_results import REFUSED, exact_result, made_result, without
 
+from orbident.errors import InputError
 from orbident.estimation.quantities import (
     MOST,
     EstimatedSet,
@@ -55,6 +56,17 @@ def test_repr_of_a_refused_result_is_its_reason():
     assert head.startswith("cepheus-like: rejected")
     assert reason == REFUSED.words
     assert "diagnostics" in more
+
+
+def test_one_parameter_by_its_name():
+    result = exact_result(load_robot("paper-spatial"), size=1e-4)
+    k = result.base.names.index("sigma_1")
+    assert result.base["sigma_1"].value == result.base.values[k]
+    assert result.base["sigma_1"].std == result.base.std[k]
+    assert result["sigma_1"] == result.base["sigma_1"]
+    with pytest.raises(InputError, match=r"no parameter 'sigma1'.*sigma_1"):
+        result.base["sigma1"]
+    assert repr(result.mass) == f"{result['M']} kg"
 
 
 def test_differences_from_zero_and_without_deviation():

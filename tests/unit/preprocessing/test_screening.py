@@ -219,6 +219,38 @@ def test_rows_that_repeat_are_found_also_where_wheels_turn_evenly():
     assert found.rejected == {"rows": {"repeat of the sample before": N // 2}}
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_of_zeros_are_no_samples(seed: int):
+    """Some stand where a column goes through zero, some at the end, or in a row; in the
+    first second joints and S are still near zero, so that nothing tells."""
+    lost = (np.random.default_rng(seed).random(N) < 0.02) & (FLIGHT.t > 1.0)
+    lost[[200, 201, 202, -2, -1]] = True
+    zeros = {name: np.where(lost, 0.0, x) for name, x in FLIGHT.columns.items()}
+    found = screened(ROBOT, FLIGHT.with_columns(zeros))
+    assert found.rejected == {"rows": {"sample of zeros alone": lost.sum()}}
+    for column in found.recording.columns.values():
+        np.testing.assert_array_equal(np.isnan(column), lost)
+
+
+@pytest.mark.parametrize("count", [0.0, 1e-3])
+@pytest.mark.parametrize("rests", [1, 100])
+def test_a_robot_that_rests_at_zero_keeps_its_rows(rests: int, count: float):
+    """At first, in between and at last; it leaves smoothly, its rates also at once."""
+    t = np.arange(0.0, 10.0, 0.01)
+    moving = np.arange(t.size) % 500 - rests
+    s = np.clip(moving / (500 - 2 * rests), 0, 1)
+    columns = {
+        "joint.joint1.position": 0.3 * np.sin(np.pi * s) ** 2,
+        "wheel.rw_x.position": 20.0 * np.sin(2 * np.pi * s),
+        "gyro.x": -0.05 * (np.sin(np.pi * s) > 0),
+        "gyro.y": 0.02 * np.sin(2 * np.pi * s),
+        "gyro.z": np.zeros(t.size),
+    }
+    if count:
+        columns = {name: count * np.round(x / count) for name, x in columns.items()}
+    assert "rows" not in screened(ROBOT, Recording(t, columns)).rejected
+
+
 def test_quaternions_of_zeros_are_noted():
     x = {name: FLIGHT.columns[name].copy() for name in FLIGHT.columns if "att" in name}
     for column in x.values():

@@ -129,7 +129,9 @@ def proposed_table(group: Group, robot: Robot | None) -> Iterable[str]:
     yield from _listing(names)
     for name, field in group.fields.items():
         if field.problem:
-            yield " ".join(f"# {name} {field.problem}".split())
+            # What to do about it is for those who want to take it.
+            problem, _, _ = field.problem.partition(";")
+            yield " ".join(f"# {name} {problem}".split())
 
 
 def _to_fill(robot: Robot | None) -> Iterable[str]:
