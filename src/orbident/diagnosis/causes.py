@@ -361,7 +361,7 @@ def _scored(
     ):
         first = scores.of(suspect)
         gain = first.fall - price * first.values.size
-        if first.values.size:
+        if first.values.size and np.abs(first.values).max() <= suspect.most:
             put = partial(put_right, problem, suspect, first, misfit(shown))
             yield Rival(gain, suspect.words(first.values)), put
 

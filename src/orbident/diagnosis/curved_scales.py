@@ -20,6 +20,9 @@ from orbident.estimation.momentum_problem import MomentumProblem
 SMALL = 1e-5
 """Relative: far below what would be seen."""
 
+MOST = 0.1
+"""Relative: no instrument's scale changes by more."""
+
 
 def curved_scales(problem: MomentumProblem) -> Iterator[Suspect]:
     """One of the gyro and one of the position."""
@@ -50,4 +53,4 @@ def _curved(problem: MomentumProblem, sensor: str) -> Suspect:
         # Samples hold only a first guess of the base's motion.
         return replace(problem, recording=less(problem.recording, sensor, error))
 
-    return Suspect(words, np.full(2 * len(axes), SMALL), corrected)
+    return Suspect(words, np.full(2 * len(axes), SMALL), corrected, MOST)

@@ -41,6 +41,8 @@ class Suspect(NamedTuple):
     """A change of each number whose effect is in proportion to it."""
     corrected: Callable[[MomentumProblem, Numbers], MomentumProblem]
     """Robot and recording with these numbers put right; not yet fitted again."""
+    most: float = np.inf
+    """The largest that a number can be: what would have to be more is no cause."""
 
 
 NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
