@@ -90,7 +90,9 @@ def test_equations_in_c_and_matlab(orbident: Orbident, run: str):
     assert "servicer.m: MATLAB, [H, c] = servicer(q, v)" in words
     text = Path("servicer.m").read_text()
     assert text.startswith("function [H, c] = servicer(q, v)\n")
-    orbident("export", run, "-o", "my-robot.m").refused("no name of a function")
+    orbident("export", run, "-o", "my-robot.m").refused(
+        "cannot be the name of this function"
+    )
     assert not Path("my-robot.m").exists()
 
 

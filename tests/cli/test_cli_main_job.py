@@ -98,6 +98,8 @@ def test_identify_prints_and_keeps_its_result(orbident: Orbident, flight: Record
     ).done()
     assert "paper-spatial: ok, 801 samples" in ran.out
     assert "mass 1110 +- " in ran.out
+    assert "kg by maximum-likelihood" in ran.out
+    assert "kg kg" not in ran.out
     assert "843.1" not in ran.out
     kept = json.loads(Path("run/result.json").read_text())
     # Beside the result it has the checksums of all that is read again.

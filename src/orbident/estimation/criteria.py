@@ -266,7 +266,7 @@ def _what_may_act(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
             "with care",
             f"what may act from outside is in no deviation: the recording has {rows} "
             f"rows, of at most {LONGEST} in which it can be estimated",
-            "identify a part of the recording (--start, --end), or say that nothing "
+            "identify a part of the recording (--from, --to), or say that nothing "
             "acts (disturbances: [] in the robot file)",
         )
     elif estimate.allowed:

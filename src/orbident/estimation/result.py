@@ -241,7 +241,7 @@ class Result(BesideParameters, Identified):
         if self.status == "rejected":
             return [head, self.refusal()]
         within = Interval(self.mass.value, self.mass.std)
-        mass = f"mass {self.mass!r} kg by {self.method} (95 %: {within})"
+        mass = f"mass {self.mass!r} by {self.method} (95 %: {within})"
         return [head, mass, "", *short_table(self.base)]
 
     def __getstate__(self) -> dict[str, Any]:

@@ -27,6 +27,13 @@ from orbident.robot.description import Robot
 from orbident.robot.joint_schema import require_measured
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_matrix
 
+MATLAB_KEYWORDS = (
+    *("break", "case", "catch", "classdef", "continue", "else", "elseif", "end"),
+    *("for", "function", "global", "if", "otherwise", "parfor", "persistent"),
+    *("return", "spmd", "switch", "try", "while"),
+)
+"""What `iskeyword` lists."""
+
 WIDTH = 96
 """Characters of a comment."""
 
@@ -74,10 +81,13 @@ def equations_as_matlab(model: Dynamics, name: str) -> str:
     Raises:
         InputError: a joint is passive, or MATLAB has no such names.
     """
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name):
+    template = _template("equations_m.txt")
+    taken = {*MATLAB_KEYWORDS, *re.findall(r"function .*?(\w+)\(", template)}
+    if name in taken or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name):
         raise InputError(
-            f"{quoted(name)} is no name of a function in MATLAB; begin the file's name "
-            "with a letter, and use letters, digits and '_' alone"
+            f"{quoted(name)} cannot be the name of this function in MATLAB; begin the "
+            "file's name with a letter, use letters, digits and '_' alone, and no word "
+            "of MATLAB's"
         )
     robot = model.robot
     lines = [
@@ -86,7 +96,7 @@ def equations_as_matlab(model: Dynamics, name: str) -> str:
         f"planar = {str(robot.motion == 'planar').lower()};",
         *(_matlab_table(name, table) for name, table in _tables(robot)),
     ]
-    return "\n".join(lines) + "\n" + _template("equations_m.txt")
+    return "\n".join(lines) + "\n" + template
 
 
 def _template(name: str) -> str:

@@ -284,7 +284,7 @@ def check_disturbances_show(problem: Problem) -> None:
     if names and rows > LONGEST:
         raise InputError(
             f"{names[0]} is said to act, which takes 3 kB a row, and the recording has "
-            f"{rows} rows of at most {LONGEST}; use a part of it (--start, --end)"
+            f"{rows} rows of at most {LONGEST}; use a part of it (--from, --to)"
         )
     every = {each.family for each in problem.acting.unknowns} if names else set()
     for name in [each for each in names if each not in every]:

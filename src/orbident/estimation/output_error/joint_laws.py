@@ -70,7 +70,7 @@ def joint_laws(robot: Robot, wrenches: Wrenches, unexplained: float) -> JointLaw
         raise InputError(
             f"{robot.name}: joint '{names[0]}' is passive, and thrust shakes it, which "
             "is not in its equations; use a part of the recording without thrust "
-            "(--start, --end)"
+            "(--from, --to)"
         )
     laws = np.zeros((len(names), 4 + robot.theta.size))
     for law, name in zip(laws, names, strict=True):

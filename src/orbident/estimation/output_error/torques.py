@@ -74,7 +74,7 @@ def mean_torques(
         raise InputError(
             f"{samples.source}: joint torques were recorded, and thrust pulls at the "
             "joints, which is not in their equations; use a part of the recording "
-            "without thrust (--start, --end), or leave out these columns"
+            "without thrust (--from, --to), or leave out these columns"
         )
     sensed, history = sensors.by_name[TORQUES], intervals.history
     inside = (history.t[0] <= sensors.t) & (sensors.t <= history.t[-1])
