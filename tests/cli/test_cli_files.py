@@ -89,6 +89,10 @@ def test_what_is_in_a_file(orbident: Orbident):
         "messages": 20,
         "rate": 10.0,
         "names": ["time", "q.0 to .1"],
+        # A table has no header beside the time of its rows.
+        "offset": None,
+        "drift": None,
+        "ranges": {},
     }
     proposal = Path("map.yaml").read_text()
     assert "  # / (table) has nothing to take\n" in proposal
