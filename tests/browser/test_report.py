@@ -60,6 +60,17 @@ def test_every_chart_is_drawn(page: Chrome):
     assert page.execute_script("return document.querySelectorAll('.chart').length") > 8
 
 
+def test_a_chart_is_saved_as_png(page: Chrome):
+    """By the one button of each chart, which a mouse shows."""
+    names = page.execute_script(
+        "return [...document.querySelectorAll('.modebar-btn')]"
+        ".map((b) => b.getAttribute('data-title'))"
+    )
+    charts = page.execute_script("return document.querySelectorAll('.chart').length")
+    assert len(names) == charts
+    assert all("PNG" in name for name in names)
+
+
 def test_no_column_of_a_table_beside_a_chart_is_cut(page: Chrome):
     cut = page.execute_script(
         "return [...document.querySelectorAll('.beside details[open]')]"

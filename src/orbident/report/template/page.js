@@ -51,7 +51,11 @@
     return Plotly.react(chart, {
       data: figure.data, frames: figure.frames,
       layout: layout(figure.layout, style, width),
-      config: { displayModeBar: false, responsive: true },
+      // Under a mouse a button saves the chart as PNG.
+      config: {
+        displayModeBar: touch ? false : "hover", displaylogo: false,
+        modeBarButtons: [["toImage"]], responsive: true,
+      },
     });
   }
 
