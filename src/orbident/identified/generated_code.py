@@ -104,7 +104,9 @@ def _template(name: str) -> str:
 
 
 def _tables(robot: Robot) -> Iterator[tuple[str, np.ndarray]]:
-    """Of joints, bodies and wheels, each first; matrices by their columns.
+    """The robot's numbers by name: one entry for each joint, body or wheel.
+
+    Rotations are written column after column.
 
     Raises:
         InputError: a joint is passive.

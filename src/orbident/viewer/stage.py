@@ -130,11 +130,11 @@ class DrawnRobot:
             frame.wxyz, frame.position = x, at
 
     def show(self, visible: bool) -> None:
-        """Or hide."""
+        """Show the robot, or hide it."""
         self._root.visible = visible
 
     def show_names(self, visible: bool) -> None:
-        """Of bodies and wheels, or hide them."""
+        """Show the names of bodies and wheels, or hide them."""
         for name in self._names:
             name.visible = visible
 

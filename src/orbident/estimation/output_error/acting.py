@@ -206,7 +206,11 @@ class Acting:
         return Acting(self.followed, self.first, {**self.allowed, **changed})
 
     def following(self, predicted: Columns) -> "Acting":
-        """The same where a fit predicts what the gyro shows at the rows."""
+        """What may act along a motion with the rates that a fit predicts.
+
+        Args:
+            predicted: what the gyro would show at the rows, rad/s; NaN where it did not.
+        """
         followed = replace(self.followed, predicted=predicted)
         return Acting(followed, self.first, self.allowed)
 

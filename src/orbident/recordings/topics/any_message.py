@@ -15,7 +15,7 @@ from orbident.recordings.topics.entry import LONGEST, Extraction, header_stamp
 from orbident.recordings.topics.fields import Fields
 
 _NUMBERS = 300
-"""Of a message that are shown; an image has a million."""
+"""So many numbers of a message are shown; an image has a million."""
 
 
 def numbers_of(message: Any) -> dict[str, float]:

@@ -157,7 +157,7 @@ class Fields(Filling):
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """Of the fields that are the time."""
+        """Nanoseconds of one unit of each field that is part of the time."""
         return tuple(nanoseconds_of(unit) or 1 for unit in self.stamp.values()) or (1,)
 
     @property

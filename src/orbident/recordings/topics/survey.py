@@ -71,13 +71,13 @@ class Surveyed:
     labels: tuple[str, ...] = ()
     """Names of joints, of transforms, or of fields, in the order of the file."""
     example: Any = field(default=None, repr=False)
-    """Its first message that can be decoded."""
+    """The first message of the topic that can be decoded."""
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Least and largest value of each number of its messages, as they are there."""
     offset: float | None = None
     """s, header minus receive, the median: how far the sender's clock is ahead."""
     drift: float | None = None
-    """By how much that grows, s/s."""
+    """How fast the time between header and receipt grows, s/s."""
 
 
 def survey_file(
