@@ -209,7 +209,7 @@ class Acting:
         """What may act along a motion with the rates that a fit predicts.
 
         Args:
-            predicted: what the gyro would show at the rows, rad/s; NaN where it did not.
+            predicted: what the gyro would show at the rows, rad/s; NaN without one.
         """
         followed = replace(self.followed, predicted=predicted)
         return Acting(followed, self.first, self.allowed)
