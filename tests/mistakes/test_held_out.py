@@ -21,6 +21,17 @@ def test_a_drawn_mistake_is_named(case: Case):
     assert found.named, found
 
 
+def test_a_hard_push_is_no_late_clock():
+    found = row(Case(751, "table 73681", "thruster burst"))
+    assert found.score.outcome == "right", found
+
+
+def test_what_an_error_explains_is_no_push():
+    # The samples that a push leaves out would hide it.
+    found = row(Case(711, "table 82917", "other inertial axes"))
+    assert found.score.outcome == "refused", found
+
+
 def test_there_are_enough_kinds_and_all_can_be_made():
     assert len(KINDS) >= 30
     for kind in KINDS.values():

@@ -37,10 +37,10 @@ EXTRA = "unknown"
 def beside(problem: MomentumProblem) -> Iterator[Suspect]:
     """What is neither an instrument's error nor one of geometry."""
     axes = np.eye(3)[list(conserved_axes(problem.robot)[0])]
-    if problem.recording.has("position.x", "attitude.x"):
-        yield _inertial_axes(axes)
     yield from _spin_down(problem)
     if problem.robot.motion != "planar":
+        if problem.recording.has("position.x", "attitude.x"):
+            yield _inertial_axes()
         yield from _wheel_axes(problem)
         if problem.recording.has_vector("gyro"):
             yield _skewed_gyro()
@@ -91,7 +91,9 @@ def across_of(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "2 3"]:
     return np.linalg.svd(axis[None])[2][1:]
 
 
-def _inertial_axes(axes: Float[np.ndarray, "n 3"]) -> Suspect:
+def _inertial_axes() -> Suspect:
+    """In the plane it is the attitude sensor's misalignment (`instruments.py`)."""
+
     def words(c: Numbers) -> str:
         angle = np.degrees(np.linalg.norm(c))
         return (
@@ -100,12 +102,12 @@ def _inertial_axes(axes: Float[np.ndarray, "n 3"]) -> Suspect:
         )
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
-        R = Rotation.from_rotvec(c @ axes)
+        R = Rotation.from_rotvec(c)
         turned = R.apply(problem.recording.vector("position"))
         columns = of_vector("position", turned)
         return replace(problem, recording=problem.recording.with_columns(columns))
 
-    return Suspect(words, np.full(len(axes), SMALL), corrected)
+    return Suspect(words, np.full(3, SMALL), corrected)
 
 
 def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:

@@ -56,6 +56,12 @@ WORDS = {
 """What is off, by its family, with the joint or wheel in the place of `{}`; and its
 standard deviation beforehand. That of a place or direction is of one joint's axes."""
 
+IN_THE_PLANE = {
+    "attitude.misalignment": "the misalignment of the attitude sensor, or the angle "
+    "between the inertial axes (frames) of attitude and position,"
+}
+"""Where two errors are the same turn about z, both are named."""
+
 
 class ErrorKind(NamedTuple):
     """Errors of one family, as unknowns."""
@@ -113,7 +119,10 @@ def kinds(
     for family, names in families.items():
         key = family if family in WORDS else family.rpartition(".")[2]
         if key in WORDS:
-            yield ErrorKind(family, tuple(names), *WORDS[key])
+            words, std = WORDS[key]
+            if robot.motion == "planar":
+                words = IN_THE_PLANE.get(key, words)
+            yield ErrorKind(family, tuple(names), words, std)
 
 
 def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:

@@ -196,13 +196,16 @@ def _far(problem: MomentumProblem) -> Delay:
     most = LONGEST_PART * np.ptp(part.samples.t)
     grid = np.array([-most, *-FAR[::-1], 0.0, *FAR, most])
     grid = np.unique(grid[np.abs(grid) <= most])
-    k = int(np.argmin([left(late) for late in grid]))
+    tried = np.array([left(late) for late in grid])
+    k = int(np.argmin(tried))
     if k in {0, grid.size - 1}:
         return nowhere
+    # What any clock explains, such as a push, no clock does.
+    elsewhere = tried[(abs(np.arange(grid.size) - k) > 1) | (grid == 0)].min()
     late = float(np.array(fminbound(left, *grid[[k - 1, k + 1]], xtol=LEAST / 10)))
     apart = abs(late) > LONGEST
     most = EXPLAINED if apart else HELPS
-    helps = left(late) ** 2 < most * left(0.0) ** 2
+    helps = left(late) ** 2 < most * elsewhere**2
     return nowhere._replace(late=late, apart=apart) if helps else nowhere
 
 

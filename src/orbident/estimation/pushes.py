@@ -15,14 +15,16 @@ lasts are left out.
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import FREE
 from orbident.estimation.checks import only_vague
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimator, Progress, Solved
+from orbident.estimation.levels import limit
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.output_error.hypotheses import FEW_STEPS, TRIED
 from orbident.estimation.solve import in_whole, solved_by
 from orbident.model.core_robot import wheels_of
 
@@ -60,7 +62,7 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
     pushed = problem.amended(pushed=(t[row - AROUND], t[row + AROUND]))
     shown = OutputError(steps=FEW_STEPS).estimate(pushed, progress)
     # Any method is judged beside what output error shows.
-    if not _fits(Solved(pushed, [], shown, shown)):
+    if not _fits(Solved(pushed, [], shown, shown)) or _fits_with_an_error(solved):
         return solved
     again = solved_by(estimator, pushed, shown, progress)
     return again if _fits(again) else solved
@@ -69,6 +71,29 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
 def _fits(solved: Solved) -> bool:
     """Whether nothing is wrong; an uncertain mass is no sign of a push."""
     return only_vague(judge(solved, dict(solved.estimate.masses)).checks)
+
+
+def _fits_with_an_error(solved: Solved) -> bool:
+    """Whether an error of an instrument, one number, makes it acceptable as well.
+
+    Then that is likelier than a push, which takes as many numbers as momenta, and hides
+    what the samples show that it leaves out.
+    """
+    problem = solved.problem
+    if solved.shown is None or solved.shown.sensitivity is None:
+        return False
+    alone = solved.shown.sensitivity().alone
+    chance = limit("instrument", 1, len(alone))
+    likely = sorted(
+        (name for name in alone if alone[name].fall > chance),
+        key=lambda name: -alone[name].fall,
+    )
+    for name in likely[:TRIED]:
+        freed = OutputError(steps=FEW_STEPS, tested=False, free={name: FREE})
+        shown = freed.estimate(problem, lambda _: None)
+        if _fits(Solved(problem, [], shown, shown)):
+            return True
+    return False
 
 
 def jump_of_momenta(problem: MomentumProblem) -> int:

@@ -49,7 +49,8 @@ def calibrations_of(
         robot: with its tolerances.
         recorded: names of the sensors that were recorded, what was seen of thrust
             (`thrust_seen`), and columns of the torques that count.
-        free: standard deviations beforehand in place of tolerances, by family; SI.
+        free: standard deviations beforehand in place of tolerances, by family or by
+            name; SI.
     """
     shown = _axes_that_show(robot, recorded)
     every = [
@@ -59,7 +60,9 @@ def calibrations_of(
         for axis, error in enumerate(errors)
     ]
     return tuple(
-        each._replace(place=float(k), std=free.get(each.family, each.std))
+        each._replace(
+            place=float(k), std=free.get(each.name, free.get(each.family, each.std))
+        )
         for k, (each, acts) in enumerate(every)
         if acts
     )

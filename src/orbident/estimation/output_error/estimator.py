@@ -94,8 +94,8 @@ class OutputError:
     others: Shared | None = None
     """What other recordings of the same robot say; the search starts there."""
     free: Mapping[str, float] = field(default_factory=dict)
-    """Standard deviations beforehand of errors of instruments, by family, in place of
-    the tolerances of the robot file; SI."""
+    """Standard deviations beforehand of errors of instruments, by family or by name, in
+    place of the tolerances of the robot file; SI."""
 
     def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
         """Fit all sensors at once."""

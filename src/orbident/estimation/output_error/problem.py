@@ -212,7 +212,8 @@ def problem_of(
         sets: its minimal sets.
         samples: histories of joints and wheels.
         sensors: what is predicted.
-        free: standard deviations beforehand in place of tolerances, by family; SI.
+        free: standard deviations beforehand in place of tolerances, by family or by
+            name; SI.
         unexplained: what no spring explains moves passive joints by so much in a
             period, rad or m.
     """
