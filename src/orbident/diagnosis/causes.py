@@ -1,23 +1,20 @@
 """Why a recording is refused: causes are tried, and what explains it is named."""
 
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from collections.abc import Iterable, Iterator
 from time import process_time
 
 import numpy as np
 
 from orbident.choices import CauseSearch
-from orbident.diagnosis.curved_scales import curved_scales
 from orbident.diagnosis.events import event
-from orbident.diagnosis.filters import filters, smoothed
-from orbident.diagnosis.frames import beside, missing_wheel
-from orbident.diagnosis.instruments import freed, kinds
+from orbident.diagnosis.filters import smoothed
+from orbident.diagnosis.frames import missing_wheel
 from orbident.diagnosis.late_clocks import (
     already_corrected,
     clocks,
     far_off,
-    fast_clocks,
 )
+from orbident.diagnosis.likeliest import LIKELIEST, Scored, likeliest, scored
 from orbident.diagnosis.linear_test import (
     FALLS,
     CorrectedConvention,
@@ -30,17 +27,14 @@ from orbident.diagnosis.noisier_sensors import (
 )
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import ring_of
-from orbident.diagnosis.shifts import drifts, joint_errors, jumps, steps
+from orbident.diagnosis.shifts import jumps
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.suspects import Scores
-from orbident.diagnosis.suspects import tried as put_right
-from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
+from orbident.diagnosis.trial import Rival, Trial, amended_trial
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check, worst
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.files.names import joined
@@ -55,9 +49,6 @@ HARDLY = 0.9
 
 MOST = 0.5
 """Part of what a trial explains that clocks did which had been corrected before it."""
-
-LIKELIEST = 3
-"""So many are tried, of all that have a score."""
 
 SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
 """What is said where not all causes were tried."""
@@ -272,39 +263,47 @@ def _tried(
     All others are tried in the order of what they would explain to first order, until
     the CPU's time is at its end.
     """
-    problem, trials, rival = solved.problem, list[Trial](), NONE
-    late = dict[str, float]()
-
-    def far_clocks(problem: MomentumProblem) -> Iterable[Trial]:
-        late.update(far_off(problem))
-        return clocks(problem, late) if any(late.values()) else ()
-
-    def near_clocks(problem: MomentumProblem) -> Iterable[Trial]:
-        return () if any(late.values()) else clocks(problem, late)
-
-    for some in (
-        noisier_sensors,
-        spikes,
-        smoothed,
-        partial(_written, conventions),
-        # What the linear equations see is no small error, which others would follow.
-        far_clocks,
-        lambda _: _likeliest(solved),
-        # Wrong inertias of known wheels may look like another one.
-        missing_wheel,
-        near_clocks,
-        partial(lasting_errors, shown=solved.shown),
-    ):
-        for one in some(problem):
+    trials, untried = list[Trial](), list[Scored]()
+    for some in _stages(solved, conventions, untried):
+        for one in some:
             trials.append(_sure(one, before))
-            # Those of the stages that follow are less likely than what was scored.
-            rival = max(rival, one.rival)
-            trials[-1] = trials[-1]._replace(rival=rival)
             if sum(each.lost for each in trials) == LOST or process_time() > end:
-                return trials
+                return [_beside(one, untried, before) for one in trials]
         if any(one.accepted for one in trials):
             break
-    return trials
+    return [_beside(one, untried, before) for one in trials]
+
+
+def _stages(
+    solved: Solved, conventions: list[CorrectedConvention], untried: list[Scored]
+) -> Iterator[Iterable[Trial]]:
+    """What is tried, the plainest first; and what has a score and is not tried yet."""
+    problem = solved.problem
+    yield from (noisier_sensors(problem), spikes(problem), smoothed(problem))
+    yield _written(conventions, problem)
+    # What the linear equations see is no small error, which others would follow.
+    late = far_off(problem)
+    far = any(late.values())
+    yield clocks(problem, late) if far else ()
+    untried += sorted(scored(solved), key=lambda each: -each.falls)
+    yield likeliest(untried)
+    # Wrong inertias of known wheels may look like another one.
+    yield missing_wheel(problem)
+    yield () if far else clocks(problem, late)
+    yield lasting_errors(problem, shown=solved.shown)
+
+
+def _beside(one: Trial, untried: list[Scored], before: float) -> Trial:
+    """A trial, and the best of what was not tried, which may look like it.
+
+    Between two that have a score, that says by how much more one of them explains.
+    """
+    if not untried:
+        return one
+    falls = untried[0].falls
+    if one.score is not None:
+        falls += before - one.misfit - one.score
+    return one._replace(rival=max(one.rival, Rival(falls, untried[0].cause)))
 
 
 def _sure(one: Trial, before: float) -> Trial:
@@ -321,49 +320,6 @@ def _written(
     for convention in [each for each in first if each.columns][:LIKELIEST]:
         right = convention.recording(problem.recording)
         yield amended_trial(convention.cause, problem, recording=right)
-
-
-def _likeliest(solved: Solved) -> Iterator[Trial]:
-    """Suspects and kinds of instruments' errors with the best scores, tried."""
-    problem, shown = solved.problem, solved.shown
-    if shown is None:
-        return
-    worth = sorted(_scored(problem, shown), key=lambda each: -each[0].falls)
-    for k, (own, put) in enumerate(worth[:LIKELIEST]):
-        others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
-        for one in put() if own.falls > WORTH else ():
-            yield one._replace(rival=max(others, default=NONE))
-
-
-def _scored(
-    problem: MomentumProblem, shown: Estimate
-) -> Iterator[tuple[Rival, Callable[[], Iterable[Trial]]]]:
-    """What each of them would explain to first order, and how it is tried."""
-    if shown.solution is None or shown.sensitivity is None:
-        return
-    price = np.log(problem.samples.t.size)
-    table = shown.sensitivity()
-    driven = joints_with_torques(problem.robot, problem.recording)
-    scores = Scores(problem, shown.solution)
-    for kind in kinds(problem.robot, problem.samples.wrenches, driven):
-        first = table.together(kind.names)
-        if first.values.size:
-            gain = first.fall - price * first.values.size
-            yield Rival(gain, f"{kind} is off"), partial(freed, problem, kind)
-    for suspect in (
-        *beside(problem),
-        *steps(problem, shown),
-        *drifts(problem),
-        *joint_errors(problem),
-        *fast_clocks(problem),
-        *filters(problem),
-        *curved_scales(problem),
-    ):
-        first = scores.of(suspect)
-        gain = first.fall - price * first.values.size
-        if first.values.size and np.abs(first.values).max() <= suspect.most:
-            put = partial(put_right, problem, suspect, first, misfit(shown))
-            yield Rival(gain, suspect.words(first.values)), put
 
 
 def _as_noise(estimate: Estimate | None) -> bool:

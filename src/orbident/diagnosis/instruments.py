@@ -91,11 +91,7 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
         for name, each in found.estimate.calibration.items()
         if name in kind.names
     }
-    # Of one instrument, what tells its axes apart need not be clear.
-    clear = kind.of_one or any(
-        abs(each.value) > CLEAR * each.std for each in (errors or {}).values()
-    )
-    if errors and clear:
+    if errors:
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)
@@ -131,5 +127,9 @@ def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
     named = name.split(".")
     axis = f" along {named[-1]}" if named[-1] in "xyz" else ""
     value, std = errors[name].value, errors[name].std
+    if not (kind.of_one or abs(value) > CLEAR * std):
+        # Wheels, such as two of which only the ratio shows.
+        owners = dict.fromkeys(each.split(".")[1] for each in errors)
+        return f"{kind.words.format(' or '.join(owners))} is off"
     which = kind.words.format(named[1] if len(named) > 1 else "")
     return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"

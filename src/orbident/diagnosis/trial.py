@@ -21,10 +21,10 @@ from orbident.robot.description import Robot
 
 
 class Rival(NamedTuple):
-    """A cause that is not tried, or does not explain the recording by itself."""
+    """Another cause, which was not tried, or which explains the recording as well."""
 
     falls: float
-    """Fall of the misfit that this cause would bring, to first order."""
+    """Fall of the misfit that this cause brings, or would to first order."""
     cause: str
 
 
@@ -45,6 +45,8 @@ class Trial(NamedTuple):
     """Whether the robot file can declare a tolerance that covers it."""
     rival: Rival = NONE
     """The best of the other causes that may look like it."""
+    score: float | None = None
+    """What it would explain to first order, where that was worked out."""
     fits: bool = False
     """Whether it is accepted, or shows too little of the mass and nothing wrong."""
 

@@ -1,0 +1,71 @@
+"""What may be wrong, by what it would explain to first order, and a trial of it."""
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from orbident.diagnosis.curved_scales import curved_scales
+from orbident.diagnosis.filters import filters
+from orbident.diagnosis.frames import beside
+from orbident.diagnosis.instruments import freed, kinds
+from orbident.diagnosis.late_clocks import fast_clocks
+from orbident.diagnosis.shifts import drifts, joint_errors, steps
+from orbident.diagnosis.suspects import Scores, tried
+from orbident.diagnosis.trial import Trial
+from orbident.estimation.clock_search import WORTH, misfit
+from orbident.estimation.estimate import Solved
+from orbident.estimation.output_error.sensors import joints_with_torques
+
+LIKELIEST = 3
+"""So many are tried, of all that have a score."""
+
+
+class Scored(NamedTuple):
+    """What may be wrong, before it is tried."""
+
+    falls: float
+    """Fall of chi-square that it would bring, to first order, less its price."""
+    cause: str
+    put: Callable[[], Iterable[Trial]]
+    """Puts it right, and tries."""
+
+
+def likeliest(untried: list[Scored]) -> Iterator[Trial]:
+    """Suspects and kinds of instruments' errors with the best scores, tried."""
+    for _ in range(LIKELIEST):
+        if untried and untried[0].falls > WORTH:
+            first = untried.pop(0)
+            for one in first.put():
+                yield one._replace(score=first.falls)
+
+
+def scored(solved: Solved) -> Iterator[Scored]:
+    """What each of them would explain to first order, and how it is tried."""
+    problem, shown = solved.problem, solved.shown
+    if shown is None or shown.solution is None or shown.sensitivity is None:
+        return
+    price = np.log(problem.samples.t.size)
+    table = shown.sensitivity()
+    driven = joints_with_torques(problem.robot, problem.recording)
+    scores = Scores(problem, shown.solution)
+    for kind in kinds(problem.robot, problem.samples.wrenches, driven):
+        first = table.together(kind.names)
+        if first.values.size:
+            gain = first.fall - price * first.values.size
+            yield Scored(gain, f"{kind} is off", partial(freed, problem, kind))
+    for suspect in (
+        *beside(problem),
+        *steps(problem, shown),
+        *drifts(problem),
+        *joint_errors(problem),
+        *fast_clocks(problem),
+        *filters(problem),
+        *curved_scales(problem),
+    ):
+        first = scores.of(suspect)
+        gain = first.fall - price * first.values.size
+        if first.values.size and np.abs(first.values).max() <= suspect.most:
+            put = partial(tried, problem, suspect, first, misfit(shown))
+            yield Scored(gain, suspect.words(first.values), put)
