@@ -24,6 +24,7 @@ from orbident.preprocessing.rates import false_rates
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.no_measurements import (
+    is_position,
     no_measurements,
     reasons_in_words,
     repeats,
@@ -160,10 +161,11 @@ def _measured_only(
 
 def _of_all(recording: Recording, rows: str, names: list[str]) -> Masks:
     """Rows that show nothing new, or nothing at all."""
-    columns = {name: recording.columns[name] for name in names}
-    found = zeros_alone(columns)
+    columns = [recording.columns[name] for name in names]
+    positions = [recording.columns[name] for name in names if is_position(name)]
+    found = zeros_alone(columns, positions)
     same = np.ones(recording.t.size - 1, dtype=bool)
-    for column in columns.values():
+    for column in columns:
         same &= np.diff(column) == 0
     # A table of all columns is as large as the recording.
     if same.any():

@@ -39,6 +39,9 @@ a logger that is faster by a tenth repeats so many."""
 LONGEST_HELD = 20
 """Samples: what stays the same for longer, time and again, is a staircase."""
 
+ZERO_LEAP = 2.0
+"""Times the longest step: a motion may begin at zero, and with that step."""
+
 FROZEN = 5
 """Samples in a row: a tracker that is lost, and not a frame that came twice."""
 
@@ -79,6 +82,7 @@ def no_measurements(
       each is kept. A coarse sensor repeats too, but then goes on by its smallest step.
     - A pose or a torque that is frozen: five or more in a row, which begin or end with
       a leap.
+    - Zeros alone, to which a position leaps.
 
     Args:
         sensor: the name of its group of columns.
@@ -90,8 +94,10 @@ def no_measurements(
         found[reason] = (table == value).any(axis=1)
     for mask in found.values():
         table[mask] = np.nan
-    frozen = sensor in POSES or sensor.endswith(TORQUE)
-    return {**found, **repeats(table, frozen)}
+    found |= repeats(table, sensor in POSES or sensor.endswith(TORQUE))
+    for mask in found.values():
+        table[mask] = np.nan
+    return found | (zeros_alone(table.T, table.T) if is_position(sensor) else {})
 
 
 def _impossible(x: Float[np.ndarray, " n"]) -> list[float]:
@@ -113,21 +119,24 @@ def is_position(name: str) -> bool:
 
 
 def zeros_alone(
-    columns: Mapping[str, Float[np.ndarray, " n"]],
+    columns: Iterable[Float[np.ndarray, " n"]],
+    positions: Iterable[Float[np.ndarray, " n"]],
 ) -> dict[str, Bool[np.ndarray, " n"]]:
     """Which rows are no samples, although they have numbers, by reason: all are zero.
 
     A position leaps to zero there and back, or on one side of the first and the last
-    rows: farther than from any row to the next. The rates of a robot that rests at zero
-    may leap, but its positions leave by their usual steps.
+    rows: twice as far as from any row to the next. The rates of a robot that rests at
+    zero may leap, but its positions leave by their usual steps.
 
     Args:
-        columns: of all sensors, any unit; NaN where there is no sample.
+        columns: of all sensors, or of one, any unit; NaN where there is no sample.
+        positions: those of them that go on from sample to sample.
     """
+    columns = tuple(columns)
     # Zeros of an attitude are none already.
-    zero = reduce(np.logical_and, ((x == 0) | np.isnan(x) for x in columns.values()))
+    zero = reduce(np.logical_and, ((x == 0) | np.isnan(x) for x in columns))
+    zero &= reduce(np.logical_or, (x == 0 for x in columns))
     before, lost = np.cumsum(zero), np.zeros(zero.size, dtype=bool)
-    positions = [x for name, x in columns.items() if is_position(name)]
     for x in positions if zero.any() else ():
         known = np.flatnonzero(~zero & ~np.isnan(x))
         if known.size < FEWEST:
@@ -137,7 +146,7 @@ def zeros_alone(
         after = np.searchsorted(known, rows)
         ends = known[np.maximum(after - 1, 0)], known[np.minimum(after, known.size - 1)]
         nearest = np.minimum(*(np.abs(x[end]) for end in ends))
-        lost[rows] |= nearest > steps.max(initial=0.0)
+        lost[rows] |= nearest > ZERO_LEAP * steps.max(initial=0.0)
     return {"sample of zeros alone": lost} if lost.any() else {}
 
 

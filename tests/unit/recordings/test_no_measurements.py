@@ -43,6 +43,16 @@ def test_an_impossible_value_of_all_axes_and_one_at_either_side():
     }
 
 
+def test_positions_that_did_not_come_are_zeros():
+    x, gone = X + 1.0, np.random.default_rng(0).random(N) < 0.1
+    x[gone] = 0.0
+    (where,) = found("position", x).values()
+    np.testing.assert_array_equal(where, np.flatnonzero(gone))
+    # Rates may be zero, and a position may begin there.
+    assert found("gyro", x) == {}
+    assert found("position", MOTION - MOTION[0]) == {}
+
+
 @pytest.mark.parametrize("step", [2, 5])
 @pytest.mark.parametrize("sensor", ["gyro", "attitude", "joint.elbow.position"])
 def test_of_what_is_held_the_first_is_kept(sensor, step):
