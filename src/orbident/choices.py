@@ -34,6 +34,7 @@ class DisturbanceGroup(StrEnum):
     pull = "pull"
     uneven = "uneven"
     drag = "drag"
+    hose = "hose"
     air = "air"
     sunlight = "sunlight"
     dipole = "dipole"

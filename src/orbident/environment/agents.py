@@ -21,6 +21,7 @@ AGENTS: dict[str, Agent] = {
         air_table.LevelPull(),
         air_table.UnevenPull(),
         air_table.FilmDrag(),
+        air_table.Hose(),
         orbital.GravityGradient(),
         orbital.OrbitalDrag(),
         orbital.SunlightPressure(),

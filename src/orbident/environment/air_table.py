@@ -1,7 +1,8 @@
-"""A table that is neither level nor even, and the drag of the air film on it.
+"""A table that is neither level nor even, drag of its air film, and a hose.
 
     pull   F_i = m_i a(r_i),   a(r) = g theta + A r   each body, at its CM; A symmetric
     film   F = -c v_P,   tau = -c_r w_i               bodies with pads
+    hose   F = -k r_S                                 the base
 
 `theta` is how far the table falls along inertial x and y, and `r` is from the origin.
 To the fit a level pull is `a = e_k`, in space too, and an uneven one
@@ -98,6 +99,31 @@ class UnevenPull(Pull):
             pull = np.zeros_like(r)
             pull[:, a], pull[:, b] = r[:, b], r[:, a]
             yield self.pulling(motion, AXES[a] + AXES[b], pull)
+
+
+class Hose(Agent):
+    """A hose or a cable, which pulls S back."""
+
+    group = "hose"
+    words = "a hose or a cable pulls the base back"
+    needs = UnevenPull.needs
+    unit = "N/m"
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """To the origin of inertial axes."""
+        if world.environment.hose and motion.S:
+            yield self.pulled(motion, world.environment.hose)
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """To where S was at first: a steady pull is a number of its own."""
+        if motion.S and motion.robot.motion == "planar":
+            effect = motion.effect(self.pulled(motion, 1.0))
+            yield self.column("stiffness", effect, positive=True)
+
+    def pulled(self, motion: RobotMotion, stiffness: float) -> Load:
+        """As by a spring, N/m."""
+        assert motion.S is not None
+        return motion.load(force=-stiffness * motion.S.r * IN_PLANE)
 
 
 class FilmDrag(Agent):

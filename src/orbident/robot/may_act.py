@@ -17,6 +17,7 @@ DIMENSIONS = {
     DisturbanceGroup.pull: "acceleration or slope",
     DisturbanceGroup.uneven: "slope",
     DisturbanceGroup.drag: "drag",
+    DisturbanceGroup.hose: "stiffness",
     DisturbanceGroup.air: "force",
     DisturbanceGroup.sunlight: "force",
     DisturbanceGroup.dipole: "magnetic moment",

@@ -50,6 +50,7 @@ UNITS: dict[str, dict[str, float]] = {
     "torque density": {"Nm/sqrt(Hz)": 1.0, "mNm/sqrt(Hz)": 1e-3, "uNm/sqrt(Hz)": 1e-6},
     "slope": {"1/s^2": 1.0, "urad/m": 1e-6 * STANDARD_GRAVITY},
     "drag": {"Ns/m": 1.0, "mNs/m": 1e-3},
+    "stiffness": {"N/m": 1.0, "mN/m": 1e-3},
     "turning drag": {"Nms": 1.0, "mNms": 1e-3},
     "magnetic moment": {"Am^2": 1.0},
     "share": {"1": 1.0, "%": 1e-2, "ppm": 1e-6},

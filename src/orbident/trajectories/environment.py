@@ -139,6 +139,8 @@ class Environment(MappingSchema):
     uneven: Uneven | None = None
     film_drag: dict[str, Film] = Field(default_factory=dict)
     """Drag of the air film, by body."""
+    hose: Annotated[float, measure_of("stiffness")] | None = None
+    """Pulls S of a robot on a table back to the origin, N/m."""
     orbit: OrbitEntry | None = None
     """Instead of the robot file's."""
     gravity_gradient: bool = False
@@ -163,7 +165,7 @@ class Environment(MappingSchema):
     @property
     def on_table(self) -> tuple[str, ...]:
         """The names of what is given that acts on a table only."""
-        return self._given("tilt", "uneven", "film_drag")
+        return self._given("tilt", "uneven", "film_drag", "hose")
 
     @property
     def in_space(self) -> tuple[str, ...]:
