@@ -114,7 +114,7 @@ def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
     """Speeds that change though they are recorded as constant."""
     for wheel, h in zip(problem.robot.wheels, _momenta(problem), strict=True):
         mean = np.nanmean(h, axis=0)
-        if np.nanstd(h @ wheel.axis) > 1e-2 * np.linalg.norm(mean):
+        if not _steady(h):
             continue
 
         def words(c: Numbers, name: str = wheel.name) -> str:
@@ -127,14 +127,22 @@ def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
         yield _with_momentum(words, np.array([SMALL]), lambda c, lost=lost: c[0] * lost)
 
 
+def _steady(h: Momentum) -> bool:
+    """Whether a wheel's momentum hardly changes."""
+    mean = np.linalg.norm(np.nanmean(h, axis=0))
+    return bool(np.linalg.norm(np.nanstd(h, axis=0)) <= 1e-2 * mean)
+
+
 def _wheel_axes(problem: MomentumProblem) -> Iterator[Suspect]:
     for wheel, h in zip(problem.robot.wheels, _momenta(problem), strict=True):
         across = across_of(wheel.axis)
+        # Across a wheel that turns evenly both are the same.
+        hidden = ", or a wheel spins that is not in the file" if _steady(h) else ""
 
-        def words(c: Numbers, name: str = wheel.name) -> str:
+        def words(c: Numbers, name: str = wheel.name, hidden: str = hidden) -> str:
             angle = np.degrees(np.linalg.norm(c))
             axis = f"the axis of wheel {name} in the robot file"
-            return f"{axis} is tilted by {angle:.2g} deg"
+            return f"{axis} is tilted by {angle:.2g} deg{hidden}"
 
         def turned(
             c: Numbers, h: Momentum = h, across: np.ndarray = across
