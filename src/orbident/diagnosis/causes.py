@@ -109,7 +109,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
         happened = event(problem) if solved.hindered and not found else None
         if happened is not None:
-            found = [_found(happened.reason, happened.remedy)]
+            found = [_found(happened.words(), happened.remedy)]
         yield from found
 
 
@@ -202,8 +202,7 @@ def _unexplained(
     more = f"; {SEARCH_ON}" if ended else ""
     likeliest = best.cause if best is not None and falls > EXPLAINS else ""
     if happened is not None and (happened.sure or not likeliest):
-        most = "; of all that was tried most is explained if " if likeliest else ""
-        yield _found(f"{happened.reason}{most}{likeliest}", happened.remedy)
+        yield _found(happened.words(likeliest), happened.remedy)
     elif likeliest:
         yield _found(
             f"perhaps {likeliest}: correcting it lowers chi-square by {falls:.2g}, "

@@ -28,10 +28,27 @@ BY_PART = "identify the part that fits, or remove what acts"
 class Event(NamedTuple):
     """What happened in the course of a recording, in words."""
 
-    reason: str
+    fact: str
+    perhaps: str
+    """Usual reasons of it."""
     remedy: str = BY_PART
     sure: bool = True
     """Whether it explains all: else it may be that a short part shows less."""
+    sensors: tuple[str, ...] = ()
+    """Those that do not agree with the others."""
+
+    def words(self, likeliest: str = "") -> str:
+        """A clause.
+
+        Args:
+            likeliest: of all causes that were tried, that which explains most; what is
+                said of another sensor than does not agree cannot be.
+        """
+        if any(f"the {sensor}" in likeliest for sensor in self.sensors):
+            return f"{self.fact} (perhaps {likeliest})"
+        more = "" if self.sensors or not likeliest else likeliest
+        more = more and f"; of all that was tried most is explained if {more}"
+        return f"{self.fact} (perhaps {self.perhaps}){more}"
 
 
 def event(problem: MomentumProblem) -> Event | None:
@@ -56,28 +73,29 @@ def event(problem: MomentumProblem) -> Event | None:
         return _apart(apart, f"; it begins {at}", pushed)
     if unclear:
         return Event(
-            f"the recording fits up to some time {at} (perhaps there was a push then, "
-            "such as a thruster's burst, or the robot changed by a capture)",
+            f"the recording fits up to some time {at}",
+            "there was a push then, such as a thruster's burst, or the robot changed "
+            "by a capture",
             sure=False,
         )
     if not after.fits:
         return Event(
-            f"the recording stops to fit {at}, and what follows does not fit either "
-            "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
-            "is not as recorded)",
+            f"the recording stops to fit {at}, and what follows does not fit either",
+            "an external torque acts, by drag or friction, or a wheel's speed is not "
+            "as recorded",
             sure=False,
         )
     if not same:
         return Event(
             f"before and after an event {at} the recording fits, with different "
-            "parameters: perhaps the robot changed (a capture or a release), or an "
-            "instrument did",
+            "parameters",
+            "the robot changed, by a capture or a release, or an instrument did",
             "identify the rows before and those after each by themselves, and compare "
             "the two results: that says what was captured",
         )
     return Event(
-        f"an event {at}: before and after the recording fits, with the same parameters "
-        "(perhaps a push, such as a thruster's burst)",
+        f"an event {at}: before and after the recording fits, with the same parameters",
+        "a push, such as a thruster's burst",
         "give the rows before and those after as two recordings of one robot: each has "
         "a momentum of its own",
     )
@@ -106,10 +124,12 @@ def _apart(sensors: list[str], when: str, pushed: str = "") -> Event:
         without, which = f"{'either' if len(sensors) == 2 else 'any'} of them", "one"
     return Event(
         f"the {joined(sensors)} and the other instruments do not agree{when}: without "
-        f"{without} the recording fits (perhaps {which} drifts, jumps (a step), has "
-        f"errors that last or a clock that is off, or an encoder is off{pushed})",
+        f"{without} the recording fits",
+        f"{which} drifts, jumps (a step), has errors that last or a clock that is off, "
+        f"or an encoder is off{pushed}",
         "leave it out, or compare the instruments where the robot rests or is moved by "
         "hand",
+        sensors=tuple(sensors),
     )
 
 
