@@ -13,11 +13,6 @@ from orbident.extras import extra
 def frame(columns: Mapping[str, Any], index: Any, name: str) -> Any:
     """A `pandas.DataFrame`.
 
-    Args:
-        columns: by name; each as long as the index.
-        index: what names the rows.
-        name: of the index.
-
     Raises:
         MissingLibraryError: pandas is not installed.
     """

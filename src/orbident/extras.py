@@ -21,9 +21,7 @@ class MissingLibraryError(InputError):
 def extra(name: str, purpose: str) -> Iterator[None]:
     """Import libraries of an extra in the block.
 
-    Args:
-        name: the extra, as in `pip install "orbident[name]"`.
-        purpose: what needs the libraries; the message begins with it.
+    The message begins with the purpose: what needs the libraries.
 
     Raises:
         MissingLibraryError: a module that the block imports is not installed.
@@ -39,9 +37,6 @@ def extra(name: str, purpose: str) -> Iterator[None]:
 
 def require_library(library: str) -> None:
     """Stands in a block of `extra` for the import, where only a child imports it.
-
-    Args:
-        library: its name.
 
     Raises:
         ModuleNotFoundError: it is not installed.

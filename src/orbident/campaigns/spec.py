@@ -55,9 +55,8 @@ class Distribution:
 def drawn_from(dimension: str, largest: float = LARGEST) -> BeforeValidator:
     """Reads a distribution from a file, as `{normal: 0.1}`.
 
-    Args:
-        dimension: of the quantity, as `robot.units` has it.
-        largest: magnitude of its numbers.
+    The dimension is one of `robot.units`; no number is of a larger magnitude than
+    `largest`.
     """
 
     def read(value: object) -> Distribution:

@@ -110,12 +110,7 @@ def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], A
 
 
 def _next(out: Path, shown: bool) -> list[str]:
-    """Where to look, and what to do with a robot of one's own.
-
-    Args:
-        out: the folder.
-        shown: whether the report is to be opened.
-    """
+    """Where to look, and what to do with a robot of one's own."""
     from orbident.identified.run_folder import REPORT
 
     page = out / RUN / REPORT

@@ -120,9 +120,7 @@ class DesignProblem:
     def evaluate(self, y: Float[np.ndarray, "free m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
 
-        Args:
-            y: coordinates of the joint motion.
-            p: power of the means that stand for extremes.
+        Means of power `p` stand for extremes.
         """
         q, qd = self.motions.along(y)
         dt = 2 * float(self.motions.t[1])
@@ -143,9 +141,7 @@ class DesignProblem:
     ) -> Float[np.ndarray, "free m"]:
         """A motion that is well inside the limits of the base, or as far as can be.
 
-        Args:
-            polytope: the joint limits.
-            middle: a motion inside them; it is returned where the base allows it.
+        It is `middle`, a motion inside the joints' limits, where the base allows that.
         """
         shape, step = middle.shape, 2 * float(self.motions.t[1])
 
@@ -297,12 +293,8 @@ def problem_for(
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
-    Args:
-        robot: with its nominal inertia.
-        given: the conditions, with a number of harmonics.
-        objective: which criterion.
-        uncertainty: as of `plausible_robots`.
-        known: information that other recordings give, of the nominal robot.
+    The uncertainty is as of `plausible_robots`; `known` is the information that other
+    recordings give, of the nominal robot.
 
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
@@ -361,11 +353,8 @@ def plausible_robots(robot: Robot, uncertainty: float) -> list[Robot]:
     """Each body heavier or lighter and longer or shorter, by a factor of its own.
 
     A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
-    keeps its CM's axis and its principal axes.
-
-    Args:
-        robot: with the nominal inertia; the first of those returned.
-        uncertainty: standard deviation of e and f.
+    keeps its CM's axis and its principal axes. The uncertainty is the standard
+    deviation of e and f; the first robot is nominal.
     """
     if uncertainty == 0.0:
         return [robot]

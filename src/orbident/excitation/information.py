@@ -377,9 +377,7 @@ def of_parameters(
 ) -> OfParameters:
     """Eliminate the errors of instruments, which have a deviation of one beforehand.
 
-    Args:
-        sensing: what is measured.
-        F: the sum of `Information.F` of all recordings.
+    `F` is the sum of `Information.F` of all recordings.
     """
     u = sensing.pi_of.shape[1]
     by_error = np.linalg.solve(F[u:, u:] + np.eye(len(F) - u), F[u:, :u])

@@ -89,9 +89,7 @@ class PulseSequence(NamedTuple):
 def brakes_of(robot: Robot, limits: Limits) -> Brakes:
     """The least that the best thruster does along or about any axis that shows.
 
-    Args:
-        robot: with the thrust of its thrusters, and its nominal inertia.
-        limits: where there is none of place or turn, nothing needs brakes.
+    Where there is no limit of place or turn, nothing needs brakes.
 
     Raises:
         InputError: no thruster pushes or turns some way in which a limit needs it.

@@ -103,9 +103,7 @@ SCHEMA = "orbident/matrices/1"
 def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
     """`H+`, its standard deviations, and the Jacobian of each body's origin.
 
-    Args:
-        result: complete and not rejected.
-        q: joint positions, rad or m.
+    Joint positions `q` are in rad or m.
 
     Raises:
         InputError: the result is rejected or not complete, or `q` is not a finite

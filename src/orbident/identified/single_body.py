@@ -50,9 +50,7 @@ def total(difference: Difference) -> ChiSquare:
 def explanations(difference: Difference, robot: Robot) -> tuple[Explanation, ...]:
     """Every body in turn, the most probable first; of equals the ends of the arms.
 
-    Args:
-        difference: of two results.
-        robot: that holds what was captured, with its structure.
+    The robot is the one that holds what was captured.
     """
     fits = [_fit(difference, robot, i) for i in range(len(robot.bodies))]
     # -2 log likelihood, and 2 for every parameter (Akaike 1974).
@@ -165,9 +163,7 @@ def added_body(
 ) -> AddedBody:
     """The body with these parameters.
 
-    Args:
-        theta: about the origin of the body's frame, its axes; NaN where not determined.
-        covariance: of `theta`.
+    They are about the origin of the body's frame, its axes; NaN where not determined.
     """
     std = np.sqrt(np.diag(covariance))
     values, C = _about_com(theta, covariance)
@@ -238,11 +234,8 @@ def impossible(
 
     Second moments are not negative in any direction `v`: `tr I / 2 - v^T I v >= 0`,
     which is least along the axis of the largest moment. Where not all of `I` is
-    determined, what is determined of its diagonal must not be negative.
-
-    Args:
-        I_com: kg m^2; NaN where not determined.
-        C: its covariance.
+    determined, what is determined of its diagonal must not be negative. The inertia is
+    in kg m^2, NaN where not determined, and `C` is its covariance.
     """
     if np.isfinite(I_com).all():
         return _flat(I_com, C)

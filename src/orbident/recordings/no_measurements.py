@@ -80,9 +80,8 @@ def no_measurements(
     - A pose or a torque that is frozen: five or more in a row, which begin or end with
       a leap.
 
-    Args:
-        sensor: the name of its group of columns.
-        table: any unit; NaN where there is no sample.
+    The sensor is the name of its group of columns. The table is in any unit, and NaN
+    where there is no sample.
     """
     found, table = {}, table.copy()
     for value in {value for x in table.T for value in _impossible(x)}:
@@ -119,10 +118,8 @@ def zeros_alone(
 
     A position leaps to zero there and back, or on one side of the first and the last
     rows: farther than from any row to the next. The rates of a robot that rests at zero
-    may leap, but its positions leave by their usual steps.
-
-    Args:
-        columns: of all sensors, any unit; NaN where there is no sample.
+    may leap, but its positions leave by their usual steps. All sensors' columns are
+    given, in any unit; NaN where there is no sample.
     """
     # Zeros of an attitude are none already.
     zero = reduce(np.logical_and, ((x == 0) | np.isnan(x) for x in columns.values()))
@@ -146,9 +143,7 @@ def repeats(
 ) -> dict[str, Bool[np.ndarray, " n"]]:
     """Which samples are shown again, by reason, as `no_measurements` has it.
 
-    Args:
-        table: any unit; NaN where there is no sample.
-        pose: whether it may be frozen.
+    The table is in any unit, and NaN where there is no sample; a pose may be frozen.
     """
     rows = np.flatnonzero(~np.isnan(table).any(axis=1))
     x = table[rows]

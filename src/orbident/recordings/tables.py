@@ -36,10 +36,7 @@ def write_blocks(
 ) -> None:
     """Writes a table as .csv or .parquet, whole or not at all; NaN is an empty cell.
 
-    Args:
-        path: the suffix says how.
-        names: of the columns.
-        blocks: `(rows, columns)` each, in order.
+    The suffix says how. Blocks are rows by columns, in order.
 
     Raises:
         InputError: a folder that does not exist, or no permission.

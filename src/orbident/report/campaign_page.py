@@ -111,13 +111,7 @@ def write_campaign_report(campaign: Campaign, folder: Path) -> Path:
 
 
 def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
-    """The report as HTML.
-
-    Args:
-        campaign: of the folder.
-        folder: for what failed, and for the lines that repeat a run.
-        rows: of the runs.
-    """
+    """The report as HTML."""
     found = method_statistics(rows)
     bounds = {s.robot.name: _bounds(campaign, s.robot.name) for s in campaign.subjects}
     checks = tuple(_check(group) for group in found)

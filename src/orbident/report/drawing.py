@@ -176,10 +176,7 @@ def _colors() -> dict[str, Any]:
 def kept(drawing: Drawing, path: Path, title: str) -> Picture:
     """The drawing as a PNG and an SVG file, and for a report.
 
-    Args:
-        drawing: complete.
-        path: of the files, without a suffix.
-        title: of the picture in the report.
+    The path is without a suffix.
 
     Raises:
         InputError: nothing can be written there.

@@ -26,10 +26,7 @@ def with_flexible_joints(
 ) -> tuple[dict[str, Any], str]:
     """The robot file and the URDF with passive joints in place of flexible ones.
 
-    Args:
-        document: the robot file as read, which was checked.
-        urdf: the text of its URDF, which was checked.
-        place: the robot file's name, for messages.
+    Both were read and checked.
 
     Raises:
         InputError: a flexible joint does not turn, or is passive too.

@@ -38,9 +38,7 @@ def couplings_of(
 ) -> tuple[tuple[Coupling, ...], list[str]]:
     """The couplings of a robot's joints.
 
-    Args:
-        urdf: its joints say what they mimic.
-        moving: the names of the robot's joints.
+    The moving ones are the robot's joints, by name.
 
     Returns:
         Couplings to joints that follow none, and a warning for each joint that follows
@@ -140,11 +138,6 @@ def check_passive(
 ) -> None:
     """Refuse passive joints that do not move freely.
 
-    Args:
-        passive: names of joints of the robot.
-        couplings: which of its joints follow others.
-        place: the robot file's name, for messages.
-
     Raises:
         InputError: one follows another, or another follows it.
     """
@@ -161,10 +154,7 @@ def require_measured(
 ) -> None:
     """Refuse a robot with joints that nobody measures.
 
-    Args:
-        robot: of any kind.
-        what: needs all joints, in words.
-        instead: what to do, in words.
+    What needs all joints, and what to do instead, are in words.
 
     Raises:
         InputError: it has such joints.
@@ -257,10 +247,7 @@ def proposed_rotors(
 ) -> list[str]:
     """What to say of the rotors that a model knows of, in words.
 
-    Args:
-        urdf: whose joints have gears and armatures.
-        joints: those that move.
-        said: joints of which the robot file says it already.
+    Of the joints that are said, the robot file says it already.
     """
     turning = {j.name for j in joints if j.kind == "revolute"} - set(said)
     words = []
@@ -305,10 +292,7 @@ def check_driven(
 ) -> None:
     """Refuse motors and their friction at joints that nobody drives.
 
-    Args:
-        sections: names of joints of the robot, by the key that says something of them.
-        passive: those that are on springs.
-        place: the robot file's name, for messages.
+    The sections have the joints by the key that says something of them.
 
     Raises:
         InputError: one of them is passive.

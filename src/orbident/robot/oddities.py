@@ -37,11 +37,8 @@ def nonphysical(
 ) -> tuple[str, ...]:
     """What no body can have: one sentence a fault, none for a physical body.
 
-    Args:
-        link: the name to use in the sentences.
-        mass: kg.
-        I_com: inertia about the CM, any axes, kg m^2; those of the file, where a
-            decimal point may have slipped in one of its numbers.
+    The mass is in kg, the inertia about the CM in kg m^2; its axes are those of the
+    file, where a decimal point may have slipped in one of its numbers.
     """
     a, b, c = np.linalg.eigvalsh(I_com)
     largest = max(abs(a), abs(c))
@@ -169,11 +166,7 @@ TILTED = 1e-6
 
 
 def oddities(robot: Robot) -> tuple[str, ...]:
-    """One sentence for each; `Robot.warnings`, of inertias and the like, come first.
-
-    Args:
-        robot: with its nominal inertia.
-    """
+    """One sentence for each; `Robot.warnings`, of inertias and the like, come first."""
     return (
         *robot.warnings,
         *_run(robot),

@@ -52,13 +52,7 @@ def assembled(
 ) -> Robot:
     """The robot that a robot file and its URDF describe.
 
-    Args:
-        file: the checked robot file.
-        document: the same, as read.
-        urdf: the URDF's links and joints.
-        text: the URDF's text.
-        place: the robot file's name, for messages.
-        orbit: the orbit that the file gives.
+    The document is the robot file as it was read, and the text is the URDF's.
 
     Raises:
         InputError: the file names joints or bodies that the URDF does not have, a
@@ -289,11 +283,9 @@ def _plain(value: Any) -> Any:
 def write_robot(robot: Robot, folder: str | Path) -> Path:
     """Writes `robot.yaml` and `robot.urdf`, from which the same robot loads again.
 
-    An OEM of its orbit is written beside them, as `robot.oem`.
-
-    Args:
-        robot: one that was loaded; what is written is its document and URDF.
-        folder: made if it is missing; files of these names are replaced.
+    An OEM of its orbit is written beside them, as `robot.oem`. What is written is its
+    document and URDF. The folder is made if it is missing, and files of these names are
+    replaced.
 
     Returns:
         The path of `robot.yaml`.

@@ -6,12 +6,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import (
-    BeforeValidator,
-    Field,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
@@ -89,8 +84,7 @@ class Sampled(MappingSchema):
     def white_std(self, dt: float = 1.0) -> float:
         """Standard deviation of the white noise of a sample; SI, zero if not declared.
 
-        Args:
-            dt: from one sample to the next, s.
+        One sample comes `dt` after the other, s.
         """
         del dt
         return 0.0

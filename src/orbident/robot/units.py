@@ -126,9 +126,8 @@ def si_unit(dimension: str) -> str:
 def quantity(given: object, dimension: str) -> float:
     """A quantity in SI.
 
-    Args:
-        given: a number, taken as SI, or a text such as `"0.01 deg/sqrt(h)"`.
-        dimension: a key of `UNITS`.
+    A number is taken as SI; a text is such as `"0.01 deg/sqrt(h)"`. The dimension is a
+    key of `UNITS`.
 
     Raises:
         WrongValueError: no finite number, or a unit that the dimension does not have.
@@ -161,9 +160,8 @@ class MeasuredQuantity(NamedTuple):
 def measured(given: object, dimension: str) -> MeasuredQuantity:
     """What was measured, and its standard deviation, such as `23.09 +- 0.01 kg`.
 
-    Args:
-        given: the text; the unit, of both, may be left out where it is SI's.
-        dimension: a key of `UNITS`.
+    The unit, of both, may be left out where it is SI's. The dimension is a key of
+    `UNITS`.
 
     Raises:
         WrongValueError: a deviation is missing, or not above zero.

@@ -79,10 +79,7 @@ def placed(
 ) -> FramePoses:
     """Every frame of the scene.
 
-    Args:
-        scene: of the robot.
-        motion: its times, joints, attitude and place.
-        wheel_angles: how far each wheel is turned, rad.
+    The wheels' angles are in rad.
     """
     at, n = poses(scene.robot, motion.q), len(motion.q)
     z = np.broadcast_to([0.0, 0.0, 1.0], (n, *scene.p_BWheel.shape))
@@ -124,11 +121,7 @@ def with_resting_cm(scene: Scene, motion: MotionHistory, inertia: Robot) -> Fram
     """Every frame of the scene, where the CM stays where it is at the first time.
 
     Wheels are held: from one time to the next they may turn too far for an eye to see.
-
-    Args:
-        scene: of the robot.
-        motion: of it.
-        inertia: the robot with the inertia that says where the CM is.
+    The inertia of a robot says where the CM is.
     """
     r_cm = centroidal_momentum(inertia, motion).r_cm
     at = placed(scene, motion, np.zeros_like(motion.qd_rw))
@@ -321,13 +314,7 @@ def reaction(
     """The base after the joints moved, without momentum; held wheels do not spin.
 
     Then `D w + D_q qd = 0` (Eq. 18): where the base gets to depends on the way of the
-    joints, not on their time.
-
-    Args:
-        robot: its `theta` decides.
-        base: before.
-        start: joint positions before, rad or m.
-        end: joint positions after.
+    joints, not on their time. Joint positions before and after are in rad or m.
     """
     at_rest = BaseState(
         angular_velocity=np.zeros(3),

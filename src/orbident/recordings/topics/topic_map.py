@@ -43,9 +43,7 @@ class _TopicMap(MappingSchema):
 def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, ...]:
     """Reads a topic map.
 
-    Args:
-        path: of the file.
-        place: what messages call it; the path if it is not given.
+    In messages it is called `place`; by default that is its path.
 
     Raises:
         InputError: The file is missing, not YAML or of another schema; an entry has an
@@ -229,9 +227,7 @@ _POINT = (
 def proposed_map(surveyed: Sequence[Surveyed], robot: Robot | None = None) -> str:
     """The YAML text of a topic map; a person completes it at each TODO.
 
-    Args:
-        surveyed: what is in the file.
-        robot: whose joints and wheels may have the names that are in the messages.
+    The robot's joints and wheels may have the names that are in the messages.
     """
     lines = [
         "# Proposed by 'orbident topics'. Decide at every TODO; delete the topics that",
