@@ -130,7 +130,7 @@ class DesignProblem:
         # The worst robot by the mean of power p, as for eigenvalues.
         worst, shares = smooth_maximum(smooth, p)
         gradient = sum(
-            share * self._pulled_back(craft, q, qd, f)
+            share * self.motions.pull_back(*craft.pull_back(q, qd, f))
             for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
         )
         used, by_y = self._all_used(q, qd, motions)
@@ -210,15 +210,6 @@ class DesignProblem:
             information.add(f, left @ by_matrix(spectrum, value.by_l) @ left.T)
         return (value.smooth, value.exact), f
 
-    def _pulled_back(
-        self,
-        craft: Craft,
-        q: Float[np.ndarray, "nodes joints"],
-        qd: Float[np.ndarray, "nodes joints"],
-        f: Gradient,
-    ) -> Float[np.ndarray, "free m"]:
-        return self.motions.pull_back(*craft.pull_back(q, qd, f))
-
     def _all_used(
         self,
         q: Float[np.ndarray, "nodes joints"],
@@ -251,7 +242,7 @@ class DesignProblem:
         for craft, motion, by_use in zip(self.crafts, motions, by_uses, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
-            gradient += self._pulled_back(craft, q, qd, f)
+            gradient += self.motions.pull_back(*craft.pull_back(q, qd, f))
         return most, gradient
 
     def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses ..."]:

@@ -127,16 +127,12 @@ def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
             *robot.wheel_names,
         ],
         "lacks": lacking_rotors(robot),
-        "H_plus": _rows(model.H_plus(at)),
-        "H_plus_std": _rows(model.H_plus_std(at)),
+        "H_plus": nulled(model.H_plus(at)),
+        "H_plus_std": nulled(model.H_plus_std(at)),
         "jacobians": {
-            body: _rows(model.jacobian(at, body, np.zeros(3))) for body in robot.bodies
+            body: nulled(model.jacobian(at, body, np.zeros(3))) for body in robot.bodies
         },
     }
-
-
-def _rows(matrix: np.ndarray) -> list[Any]:
-    return [nulled(row) for row in matrix]
 
 
 LONGEST = 63

@@ -148,7 +148,7 @@ class AddedBody(NamedTuple):
             "theta": {
                 "names": list(SYMBOLS),
                 "values": nulled(self.theta),
-                "covariance": [nulled(row) for row in self.covariance],
+                "covariance": nulled(self.covariance),
             },
         }
 

@@ -18,7 +18,7 @@ import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
 from orbident.files.names import quoted
-from orbident.files.replacing import replacing
+from orbident.files.replacing import check_place, replacing
 from orbident.files.text import refuse_pipe
 from orbident.recordings.columns import check_names, is_known
 from orbident.recordings.csv_table import (
@@ -302,10 +302,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     Raises:
         InputError: Another suffix, or a folder that does not exist.
     """
-    path = Path(path)
-    _check_suffix(path)
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder '{path.parent}' does not exist; create it")
+    _check_suffix(Path(path))
+    check_place(Path(path))
 
 
 def _check_suffix(path: Path) -> None:

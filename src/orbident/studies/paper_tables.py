@@ -140,17 +140,9 @@ class PaperRow:
 
     def to_json(self) -> dict[str, Any]:
         """As `study --json` gives it."""
-        return {
-            "name": self.name,
-            "paper_true": self.paper_true,
-            "paper_error_percent": self.paper_error_percent,
-            "true": self.true,
-            "estimate": nulled(self.estimate),
-            "error_percent": nulled(self.error_percent),
-            "rms_error_percent": nulled(self.rms_error_percent),
-            "worst_error_percent": nulled(self.worst_error_percent),
-            "cramer_rao_percent": nulled(self.cramer_rao_percent),
-        }
+        numbers = {**vars(self), "error_percent": self.error_percent}
+        del numbers["name"]
+        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
 
 
 def spatial_robot() -> Robot:

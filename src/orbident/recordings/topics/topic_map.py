@@ -26,7 +26,7 @@ from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
 from orbident.recordings.topics.presets import preset_path, preset_topics, presets
 from orbident.recordings.topics.survey import Surveyed
-from orbident.recordings.topics.targets import DIMENSION_OF
+from orbident.recordings.topics.targets import DIMENSION_OF, DIMENSIONS
 from orbident.robot.description import Robot
 
 SCHEMA = "orbident/topic-map/1"
@@ -86,15 +86,8 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
     return validated(entry, {**document, "type": kind}, place)
 
 
-_UNITS = {
-    "gyro": "rad/s",
-    "accelerometer": "m/s^2",
-    "attitude": "quaternion",
-    "position": "m",
-    "velocity": "m/s",
-    "force": "N",
-    "torque": "N m",
-}
+_UNITS = {name: next(iter(DIMENSIONS[of])) for name, of in DIMENSION_OF.items()}
+_UNITS["attitude"] = "quaternion"
 _OF_JOINTS = {"position": "rad", "torque": "N m", "current": "A"}
 _SHOWN = 100
 """Fields that are listed."""
