@@ -1,7 +1,4 @@
-"""A table as data: described once, shown by the terminal and by reports.
-
-This is the one import of pandas, for tables in notebooks.
-"""
+"""A table as data, shown by the terminal and by reports; the one import of pandas."""
 
 from collections.abc import Iterable, Mapping
 from math import floor, isfinite, isnan, log10

@@ -49,12 +49,7 @@ _PLACES: dict[str, str] = {}
 
 
 def provide(name: str, place: str) -> None:
-    """Register a function of a result; its module is imported when it is first used.
-
-    Args:
-        name: by which a result asks for it.
-        place: `module:function`.
-    """
+    """Register a function of a result, `module:function`, to be imported when used."""
     _PLACES[name] = place
 
 

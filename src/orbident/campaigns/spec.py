@@ -1,7 +1,4 @@
-"""Campaign files: which robots fly which motions, how often, and what varies.
-
-What varies is drawn from distributions by name.
-"""
+"""Campaign files: which robots fly which motions, how often, and what varies."""
 
 import os
 from dataclasses import dataclass

@@ -90,11 +90,7 @@ def demo(
 
 
 def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], Any]:
-    """Write recordings and RUN.
-
-    Returns:
-        A warning where the report could not be made; the result, which knows its input.
-    """
+    """Write recordings and RUN: warnings, and the result, which knows its input."""
     from dataclasses import replace
 
     from orbident.cli.identify import keep

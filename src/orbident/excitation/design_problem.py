@@ -1,7 +1,4 @@
-"""What a search minimises: a criterion, over all plausible robots, within limits.
-
-Robots that may be the true one, where its inertia is known to a fraction only.
-"""
+"""What a search minimises: a criterion, over all plausible robots, within limits."""
 
 from dataclasses import dataclass, replace
 from math import ceil

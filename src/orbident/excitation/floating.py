@@ -2,8 +2,6 @@
 
 The same motion as `simulation.free_floating`, by RK4 on one grid of nodes and
 mid-nodes, and with the nominal or another plausible inertia.
-
-The state in which a manoeuvre starts: its momentum is what fixes the scale.
 """
 
 from dataclasses import dataclass, field, replace
@@ -201,12 +199,9 @@ class Craft:
         qd: Float[np.ndarray, "nodes joints"],
         dt: float,
     ) -> NodalMotion:
-        """Eqs. 2, 17, 18 along a joint motion.
+        """Eqs. 2, 17, 18 along a joint motion, given at nodes and mid-nodes in turn.
 
-        Args:
-            q: joint positions at nodes and mid-nodes in turn, rad or m.
-            qd: joint rates.
-            dt: from node to node, s.
+        Positions are in rad or m; `dt`, from node to node, in s.
         """
         w, x_WB, laws = _core.float_along(self.floating, q, qd, dt, processors())
         return replace(self.seen(q[::2], qd[::2], w, x_WB, dt), laws=laws)

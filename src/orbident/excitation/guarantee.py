@@ -1,6 +1,4 @@
-"""A trajectory whose limits are proven to hold for all times.
-
-How far a motion goes, between samples too: bounds that hold for all times.
+"""Bounds that hold for all times, between samples too: how far a motion goes.
 
 Joints: between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The
 second derivative is bounded in the same way by the fourth, and that by the coefficients

@@ -291,11 +291,7 @@ class Information:
     """What a motion tells of unknowns and errors of instruments; others are eliminated.
 
     What is known of the errors beforehand is not in it: recordings have them in common.
-
-    Args:
-        sensing: what is measured.
-        motion: of the robot.
-        at_rest: `h_cm = 0` is known: all was at rest before the wheels spun up.
+    At rest, `h_cm = 0` is known: all was at rest before the wheels spun up.
     """
 
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:

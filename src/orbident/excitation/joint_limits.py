@@ -1,9 +1,7 @@
-"""The joint limits, which are linear in the coordinates of a motion.
+"""Joint motions of Eq. 41 with given ends as a linear space, and their limits in it.
 
 Each row is a limit at a node: `slack = room - normals y`, over the size of the limit,
 so that 1 is the middle and 0 the limit itself.
-
-All joint motions of Eq. 41 with given ends, as a linear space.
 
 With the ends fixed, positions and rates are linear in the coefficients `a, b`. But the
 quintic nearly cancels a slow harmonic, so some coefficients may be a hundred times

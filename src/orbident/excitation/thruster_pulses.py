@@ -167,15 +167,8 @@ def design_pulses(
 ) -> Trajectory:
     """The best of random sequences of pulses that keep to the limits.
 
-    An interrupt ends it and keeps the best so far.
-
-    Args:
-        robot: without joints, with the thrust of its thrusters and the noise of its
-            sensors; its inertia is nominal.
-        given: duration, initial state, and limits.
-        effort: how many to compare, or for how long.
-        seed: of the draws.
-        progress: is called after each sequence.
+    The robot has no joints and a nominal inertia. An interrupt ends the search and
+    keeps the best so far; progress is told after each sequence.
 
     Raises:
         InputError: no thruster has a thrust, no sensor a noise, or no sequence keeps to

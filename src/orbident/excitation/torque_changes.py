@@ -136,11 +136,7 @@ class TorqueChanges:
         by_rows: Float[np.ndarray, "steps driven columns"],
         by_h: Float[np.ndarray, "n h columns"],
     ) -> Float[np.ndarray, "n h columns"]:
-        """Adds the gradient, from that with respect to `rows`.
-
-        Returns:
-            The gradient with respect to `by_h`.
-        """
+        """Adds the gradient from that of `rows`, and gives that of the momenta."""
         u = self._beta_of.shape[1]
         by_shapes = np.zeros((len(OF_A_SENSOR), *by_rows.shape[:2]))
         for column, std, what, k in self._own:

@@ -1,9 +1,4 @@
-"""How our YAML files are read, and what their schemas are made of.
-
-The top level of a file has keys, and none twice. Schemas are of sections with fixed
-keys and of numbers; what pydantic says of a document that does not fit is made one
-clear line.
-"""
+"""How our YAML files are read, and what their schemas are made of."""
 
 import math
 import re

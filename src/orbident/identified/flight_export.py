@@ -1,10 +1,7 @@
 """The recursive filter of one robot as a folder of C and C++, with golden vectors.
 
 The folder holds the code that Python runs, and the robot as a constant table in C,
-`robot.h`. A flight computer gets the samples as the filter takes them: `given_of` makes
-them of a recording, on the ground.
-
-Which samples of a recording a flight build replays: those of the recursion.
+`robot.h`. A flight computer gets the samples as the filter takes them.
 """
 
 import re
@@ -346,13 +343,10 @@ def _rows(table: np.ndarray) -> str:
 def samples_for_flight(
     source: Result | Robot, recording: Recording
 ) -> tuple[Robot, Samples, Float[np.ndarray, "3"] | None]:
-    """Screen a recording and derive what it lacks, as `identify` does.
+    """The robot, its samples as `identify` has them, and known momentum (N m s).
 
     Of a result its robot, its clocks and its knowledge of the momentum count; of a
     robot's momentum nothing is known.
-
-    Returns:
-        The robot, its samples, and the momentum where it is known (N m s).
 
     Raises:
         InputError: a column is missing, or there are too few samples.

@@ -6,8 +6,6 @@ those with the identified `beta` the nearest to the nominal bodies is taken, by 
 divergence of their log-determinants, `tr(P0^-1 P) - log det(P0^-1 P)` (Lee, Wensing and
 Park 2020): convex, and the same in all frames and units. So where only combinations of
 bodies show, mass is shared between them as in the nominal ones.
-
-The nearest positive definite matrices under linear equations; cvxpy's one user.
 """
 
 import warnings
@@ -47,10 +45,8 @@ def nearest_to_one(
 ) -> Float[np.ndarray, "n 4 4"] | None:
     """Symmetric `X_i > 0` with `A vec(X) = b`, least `sum tr X_i - log det X_i`.
 
-    The equations are over all entries of all matrices, row after row.
-
-    Returns:
-        The matrices; None where there are none.
+    The equations are over all entries of all matrices, row after row. None where there
+    are no such matrices.
 
     Raises:
         MissingLibraryError: cvxpy is not installed.
@@ -68,10 +64,8 @@ def nearest_within(
 ) -> tuple[Float[np.ndarray, "n 4 4"], float] | None:
     """The same with `A vec(X) = b + root z`, where `|z|` is hardly more than it must.
 
-    The covariance of `b` is `root root^T`, and `z` is at most so long as `most`.
-
-    Returns:
-        The matrices and `|z|`; None where there are none with so short a `z`.
+    The covariance of `b` is `root root^T`, and `z` is at most so long as `most`. With
+    the matrices comes `|z|`; None where there are none with so short a `z`.
 
     Raises:
         MissingLibraryError: cvxpy is not installed.
@@ -150,11 +144,8 @@ def physical_bodies(
 
     The part of each body that is `apart`, wheels and the like, is known and stays as it
     is; the rest is to exist without it. The covariance is of the base parameters and of
-    what is known.
-
-    Returns:
-        The bodies, with what is apart; None where there are none within the 95 % region
-        of the identified `beta`.
+    what is known. The bodies are given with what is apart; None where there are none
+    within the 95 % region of the identified `beta`.
 
     Raises:
         InputError: the result is rejected or not complete, or cvxpy is not installed.

@@ -138,10 +138,8 @@ def jacobian(
 ) -> Float[np.ndarray, "6 speeds"]:
     """`J_0,p` and `J_i,p` (A.1, A.2): how a point of a body moves, over `v`.
 
-    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m.
-
-    Returns:
-        Rows: velocity of the point, then the body's rate; inertial motions, base axes.
+    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m. Rows:
+    velocity of the point, then the body's rate; inertial motions, base axes.
     """
     J = velocity_of_S(robot, q)
     # The rows relative to S contain the base rate already.

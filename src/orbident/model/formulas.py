@@ -1,7 +1,4 @@
-"""The minimal sets in readable form: combinations of standard parameters.
-
-What no free-floating recording of a robot can determine is said in words.
-"""
+"""The minimal sets in readable form: combinations of standard parameters."""
 
 import re
 from collections.abc import Sequence

@@ -66,10 +66,8 @@ def point_jacobian(
 ) -> Float[np.ndarray, "6 3+joints"]:
     """Velocity of a body-fixed point relative to S, over `[w, qd]`.
 
-    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m.
-
-    Returns:
-        Rows: linear velocity relative to S, then angular velocity, base axes.
+    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m. Rows:
+    linear velocity relative to S, then angular velocity, base axes.
     """
     at = poses(robot, q[None])
     r = at.arm(body, p)[0]

@@ -1,8 +1,4 @@
-"""Recordings as CSV and Parquet files, written whole or not at all.
-
-Tables are read and written block by block: memory holds one block, however long the
-table.
-"""
+"""Recordings as CSV and Parquet files, block by block, written whole or not at all."""
 
 import csv
 import io

@@ -1,7 +1,4 @@
-"""The report of a campaign: how good each method's estimates and intervals are.
-
-Its charts are histograms, normal plots, and what errors depend on.
-"""
+"""The report of a campaign: how good each method's estimates and intervals are."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence

@@ -66,10 +66,8 @@ def write_clip(
 ) -> int:
     """Draw the measured robot, and its ghosts where there are such, as a GIF.
 
-    An existing file is replaced; the part that is done is told meanwhile.
-
-    Returns:
-        How many frames it has.
+    An existing file is replaced; the part that is done is told meanwhile, and how many
+    frames it has at the end.
 
     Raises:
         InputError: it cannot be written there.

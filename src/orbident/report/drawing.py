@@ -1,7 +1,4 @@
-"""Charts as drawings of matplotlib, and how they are kept; its and Pillow's one import.
-
-For notebooks and papers, each chart of a report is a figure.
-"""
+"""Charts of a report as drawings of matplotlib; its and Pillow's one import."""
 
 import html
 import re

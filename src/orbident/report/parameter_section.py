@@ -1,8 +1,4 @@
-"""The parameters with their intervals, beside what CAD says of them.
-
-Pictures show what their deviations are made of, and what errors of instruments would
-shift them.
-"""
+"""The parameters with their intervals, beside what CAD says of them."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple

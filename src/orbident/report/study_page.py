@@ -1,8 +1,4 @@
-"""The report of a study: the paper's numbers and figures beside ours, then its RUN.
-
-The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper; spectra
-of what was filtered, and how its cut-off frequencies were chosen.
-"""
+"""The report of a study: the paper's numbers and figures beside ours, then its RUN."""
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle

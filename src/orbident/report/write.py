@@ -1,8 +1,4 @@
-"""The report of a RUN: which sections there are, and where it goes.
-
-The sections that are data alone: how a result predicted another recording, and the
-settings, input, signals and versions from which its numbers came about.
-"""
+"""The report of a RUN: which sections there are, and where it goes."""
 
 import json
 from collections.abc import Iterator, Sequence

@@ -1,9 +1,4 @@
-"""What a model and a robot file say of joints beside where they are.
-
-Which of them follow others, through however many between them; joints on springs that
-nobody measures, such as panels, booms and fuel as a pendulum; the motors' rotors and
-torque constants; and friction.
-"""
+"""What a model and a robot file say of joints beside where they are."""
 
 import json
 import math
@@ -36,13 +31,9 @@ from orbident.robot.urdf import Urdf
 def couplings_of(
     urdf: Urdf, moving: Collection[str]
 ) -> tuple[tuple[Coupling, ...], list[str]]:
-    """The couplings of a robot's joints.
+    """Couplings to joints that follow none, and a warning for each that is no coupling.
 
     The moving ones are the robot's joints, by name.
-
-    Returns:
-        Couplings to joints that follow none, and a warning for each joint that follows
-        what does not move.
 
     Raises:
         InputError: joints follow each other in a circle.

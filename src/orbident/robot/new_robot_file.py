@@ -151,10 +151,8 @@ def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) 
 def robot_text_of_model(robot: Robot, model: str) -> tuple[str, tuple[str, ...]]:
     """A commented robot file for a robot that a model file describes.
 
-    The model's file is named from where the robot file is.
-
-    Returns:
-        The text, and the joints that are taken for wheels because of their names.
+    The model's file is named from where the robot file is. Joints that are taken for
+    wheels because of their names come with the text.
     """
     first = {joint.parent for joint in robot.joints}
     wheels, joints, lines = list[str](), list[Joint](), list[str]()

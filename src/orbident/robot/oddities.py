@@ -1,7 +1,4 @@
-"""What is odd about a robot, in words: what its file may have forgotten or slipped.
-
-Inertias may be those of no body, or contradict what is declared to be known of one.
-"""
+"""What is odd about a robot, in words: what its file may have forgotten or slipped."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping

@@ -285,10 +285,7 @@ def write_robot(robot: Robot, folder: str | Path) -> Path:
 
     An OEM of its orbit is written beside them, as `robot.oem`. What is written is its
     document and URDF. The folder is made if it is missing, and files of these names are
-    replaced.
-
-    Returns:
-        The path of `robot.yaml`.
+    replaced. Gives the path of `robot.yaml`.
 
     Raises:
         InputError: the robot has no document or URDF, or the folder is a file.

@@ -109,10 +109,7 @@ def write_mcap(
     """Write what a recording shows, and what the identified model predicts of it.
 
     An existing file is replaced. The signals are what identification predicted of this
-    recording's sensors.
-
-    Returns:
-        How many messages each topic has.
+    recording's sensors. Gives how many messages each topic has.
 
     Raises:
         InputError: the result is rejected or not complete, the recording lacks what

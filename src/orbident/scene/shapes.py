@@ -1,8 +1,4 @@
-"""Triangles and their colour: all that a picture of a robot is made of.
-
-They are what a URDF shows of its links, and boxes and rods for bodies that it does not
-show.
-"""
+"""Triangles and their colour: all that a picture of a robot is made of."""
 
 import xml.etree.ElementTree as ET
 from pathlib import Path

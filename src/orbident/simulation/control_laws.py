@@ -1,8 +1,4 @@
-"""What a robot is commanded to do: laws of joints and wheels, pulses of thrusters.
-
-Gains are data, which the core evaluates. Pulses are on-off forces, and what they amount
-to about S.
-"""
+"""What a robot is commanded to do, as data that the core evaluates."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise

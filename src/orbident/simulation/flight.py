@@ -1,8 +1,4 @@
-"""A free-flying motion: where it starts, its steps in the core, and what it was.
-
-What cannot be flown is refused in one line. The core integrates by RK4 steps of given
-lengths.
-"""
+"""A free-flying motion: where it starts, its steps in the core, and what it was."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

@@ -150,9 +150,7 @@ def sensor_columns(
     """The columns of a recording of a sensor that samples evenly, on every k-th row.
 
     Rows are at the times `t`, evenly spaced, s; the true values are without noise.
-
-    Returns:
-        The samples; NaN on rows without one.
+    Samples are NaN on rows without one.
 
     Raises:
         InputError: the rows are not evenly spaced, or the rate is not theirs divided
@@ -246,11 +244,8 @@ def velocity_increments(
     """What S's velocity changed by since the sample before, in the base axes of then.
 
     `R_0(t_{k-1}) dv_k = v_S(t_k) - v_S(t_{k-1})`, exactly: the increments of a unit
-    that corrects for its own turning in between (sculling). The velocity of S is in
-    inertial axes, m/s.
-
-    Returns:
-        m/s; NaN for the first sample, which has none before it.
+    that corrects for its own turning in between (sculling), m/s. It is NaN for the
+    first sample, which has none before it. The velocity of S is in inertial axes, m/s.
     """
     change = rotate_back(quaternion_matrix(x_WB[:-1]), np.diff(v_S, axis=0))
     return np.concatenate([np.full((1, 3), np.nan), change])

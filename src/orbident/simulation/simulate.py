@@ -1,7 +1,4 @@
-"""What a trajectory is at even times: as it is recorded, and as it is to be followed.
-
-The recording of a free-floating manoeuvre is by ideal or by real sensors.
-"""
+"""What a trajectory is at even times: as it is recorded, and as it is to be flown."""
 
 from collections.abc import Mapping
 from dataclasses import replace

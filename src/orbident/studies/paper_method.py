@@ -1,13 +1,4 @@
-"""The paper's method: linear fits of signals that were filtered beforehand.
-
-The low-pass filters of a study: cut off where the first recording's spectra say.
-
-Regressors' inputs from encoders and an IMU, the paper's way (Sections 3.5 and 4).
-
-Inputs of regressors from encoders and motion capture (the paper's Section 5.3).
-
-The mass as the paper has it: Eq. 40 from the slopes of one axis of a position.
-"""
+"""The paper's method: linear fits of signals that were filtered beforehand."""
 
 import time
 from dataclasses import dataclass, field

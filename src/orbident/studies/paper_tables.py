@@ -1,7 +1,4 @@
-"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them.
-
-The paper's two robots and their motions; a study's parameters beside its numbers.
-"""
+"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,4 @@
-"""Section 5, run: Table 6, the burn, and the validation, without noise and with it.
-
-The data of the paper's Figs. 6 to 13, as columns with units.
-"""
+"""Section 5, run: Table 6, the burn, and the validation, without noise and with it."""
 
 import time
 from collections.abc import Mapping

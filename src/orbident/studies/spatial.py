@@ -1,8 +1,4 @@
-"""Section 4: the spatial three-joint servicer, from Table 1 to Table 4.
-
-Whether an installation works: the paper's robot, simulated and identified. Under which
-conditions the paper designed its two exciting trajectories.
-"""
+"""Section 4: the spatial three-joint servicer, from Table 1 to Table 4."""
 
 import time
 from collections.abc import Mapping

@@ -1,8 +1,4 @@
-"""Pages: joints moved by hand with a base that answers, or a motion that is played.
-
-Beside a motion stand what the identified model and CAD predicted. Which page belongs to
-what the user names is decided here too.
-"""
+"""Pages: joints moved by hand with a base that answers, or a motion that is played."""
 
 from collections.abc import Callable
 from functools import partial

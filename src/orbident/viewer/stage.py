@@ -1,8 +1,4 @@
-"""What a page shows: the robot of a scene, what stands around it, and plots beside it.
-
-Around it are floor, light and camera, the system CM and the momentum vectors at it.
-Plots over time have a line where the page is.
-"""
+"""What a page shows: the robot of a scene, what is around it, and plots beside it."""
 
 import html
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,4 @@
-"""Tables of Parquet and of text, with columns of any names.
-
-Text is one table a file, or one signal a file.
-"""
+"""Tables of Parquet and of text: one table a file, or one signal a file."""
 
 import os
 import re

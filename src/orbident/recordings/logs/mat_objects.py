@@ -82,10 +82,7 @@ def _kept(node: Any, folder: Path) -> LogField | Tree:
 
 
 def write_objects(path: str, names: Sequence[str], folder: str) -> dict[str, Any]:
-    """In the child: read variables and write their arrays.
-
-    Returns:
-        Of each variable what `_kept` reads.
+    """In the child: read variables and write their arrays; of each what `_kept` reads.
 
     Raises:
         InputError: The arrays are too large, the file refers to others, or the library

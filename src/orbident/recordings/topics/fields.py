@@ -274,10 +274,9 @@ class Table(Fields):
 
 
 def missing_of(entry: Entry, topics: Mapping[str, Any]) -> tuple[str, str] | None:
-    """What of a file an entry needs and the file has not: `("field", "q1")`.
+    """What of a file an entry needs and the file has not: `("field", "q1")`, or None.
 
-    Returns:
-        "topic" or "field", and its name; None if nothing is missing.
+    The first is "topic" or "field", the other its name.
     """
     topic = topics.get(entry.topic)
     if topic is None or not topic.count:

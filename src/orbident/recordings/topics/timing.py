@@ -223,11 +223,9 @@ def check_times(place: str, all_timed: list[Timed]) -> None:
 def common_rows(stamps: Sequence[Stamps]) -> tuple[Stamps, list[Stamps]]:
     """Rows for stamps of several sensors; those within `SAME_TIME` share one.
 
-    Stamps of each sensor, ns, increase by more than `SAME_TIME`.
-
-    Returns:
-        The rows' times, ns, increasing; and for each sensor which row each of its
-        stamps is in, never two in one.
+    Stamps of each sensor, ns, increase by more than `SAME_TIME`. Gives the rows' times,
+    ns, increasing; and for each sensor which row each of its stamps is in, never two in
+    one.
     """
     rows = np.empty(0, dtype=np.int64)
     chosen = []
