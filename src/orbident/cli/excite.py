@@ -138,9 +138,7 @@ def excite(
     from orbident.trajectories.trajectory_file import numbered
 
     if compare:
-        _check_alone(recordings)
-        limits = _limits(limit or [])
-        _compare(oi.load_robot(robot), compare, like_paper, limits, output)
+        _compare(robot, compare, recordings, like_paper, limit, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
@@ -196,27 +194,25 @@ def _designed(
     return made
 
 
-def _check_alone(recordings: int) -> None:
-    if recordings > 1:
-        raise InputError(
-            f"--recordings {recordings}: --compare scores motions that exist, and "
-            "those of several recordings where TRAJ stands for several files; leave "
-            "--recordings out"
-        )
-
-
 def _compare(
-    robot: Any,
+    name: str,
     paths: list[Path],
+    recordings: int,
     like_paper: bool,
-    limits: dict[str, Any],
+    limit: list[str] | None,
     output: Any,
 ) -> None:
     from orbident.excitation.conditions import limits_of
     from orbident.excitation.scores import compare_trajectories
     from orbident.trajectories.trajectory_file import load_experiment
 
-    basis = None
+    if recordings > 1:
+        raise InputError(
+            f"--recordings {recordings}: --compare scores motions that exist, and "
+            "those of several recordings where TRAJ stands for several files; leave "
+            "--recordings out"
+        )
+    limits, robot, basis = _limits(limit or []), oi.load_robot(name), None
     if like_paper:
         from orbident.studies.spatial import paper_case
 
@@ -275,6 +271,8 @@ def _conditions(
 
 
 def _limits(entries: list[str]) -> dict[str, Any]:
+    from orbident.excitation.table_points import TableSize
+
     limits = {}
     for entry in entries:
         name, _, value = entry.partition("=")
@@ -289,11 +287,6 @@ def _limits(entries: list[str]) -> dict[str, Any]:
                 f"NAME one of {', '.join(LIMITS)}, or table=WIDTHxDEPTH or "
                 "table=RADIUS in m"
             )
-        limits[name] = _table(numbers) if name == "table" else numbers[0]
+        size = TableSize(*numbers) if numbers[1:] else TableSize(radius=numbers[0])
+        limits[name] = size if name == "table" else numbers[0]
     return limits
-
-
-def _table(numbers: list[float]) -> Any:
-    from orbident.excitation.table_points import TableSize
-
-    return TableSize(*numbers) if numbers[1:] else TableSize(radius=numbers[0])

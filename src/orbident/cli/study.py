@@ -189,7 +189,7 @@ def _keep(
 
 
 def _write_data(done: Any, name: Study, folder: Path) -> Path:
-    """Write trajectory, recordings and figures' data; the path of what is identified."""
+    """Write what was flown and the figures' data; the path of what was identified."""
     oi.save_trajectory(done.trajectory, folder / TRAJECTORY)
     if name != "planar":
         recordings = (done.recording,)

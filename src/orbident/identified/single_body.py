@@ -167,29 +167,16 @@ def added_body(
     """
     std = np.sqrt(np.diag(covariance))
     values, C = _about_com(theta, covariance)
-    stds = np.sqrt(np.diag(C))
+    stds, names = np.sqrt(np.diag(C)), SYMBOLS[INERTIA]
     return AddedBody(
         theta=theta,
         covariance=covariance,
         mass=Quantity(float(theta[MASS]), float(std[MASS])),
         com=Parameters(
-            names=("cx", "cy", "cz"),
-            formulas=("mx/m", "my/m", "mz/m"),
-            values=values[:3],
-            std=stds[:3],
+            ("cx", "cy", "cz"), ("mx/m", "my/m", "mz/m"), values[:3], stds[:3]
         ),
-        I_com=Parameters(
-            names=SYMBOLS[INERTIA],
-            formulas=I_COM,
-            values=values[3:],
-            std=stds[3:],
-        ),
-        I_origin=Parameters(
-            names=SYMBOLS[INERTIA],
-            formulas=SYMBOLS[INERTIA],
-            values=theta[INERTIA],
-            std=std[INERTIA],
-        ),
+        I_com=Parameters(names, I_COM, values[3:], stds[3:]),
+        I_origin=Parameters(names, names, theta[INERTIA], std[INERTIA]),
         impossible=impossible(np.sign(theta[MASS]) * values[3:], C[3:, 3:]),
     )
 

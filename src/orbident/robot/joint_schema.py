@@ -164,11 +164,11 @@ ALONG = 1e-6
 """How far from an axis of a body a unit vector may be: files print few digits."""
 
 
-def _or_none(given: object) -> object:
-    return NO_ROTOR._asdict() if given == NONE else given
-
-
-RotorEntry = Annotated[GearedRotor, keys_of(GearedRotor), BeforeValidator(_or_none)]
+RotorEntry = Annotated[
+    GearedRotor,
+    keys_of(GearedRotor),
+    BeforeValidator(lambda given: NO_ROTOR._asdict() if given == NONE else given),
+]
 RotorSection = Annotated[
     dict[Name, RotorEntry],
     BeforeValidator(lambda given: {EVERY: NONE} if given == NONE else given),

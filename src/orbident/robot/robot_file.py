@@ -1,6 +1,6 @@
 """Loads and writes robots: bundled names, models of other tools and robot files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -125,15 +125,14 @@ def assembled(
     )
 
 
-def _on_a_table(urdf: Urdf, file: RobotFile) -> list[str]:
+def _on_a_table(urdf: Urdf, file: RobotFile) -> Iterator[str]:
     # Elsewhere than above the base such a joint was refused.
     planar = [joint.name for joint in urdf.joints if joint.kind == "planar"]
-    if file.motion == "planar" or not planar:
-        return []
-    return [
-        f"joint '{planar[0]}' above the base is planar: if the robot floats on a "
-        "table, give motion: planar in a robot file"
-    ]
+    if planar and file.motion != "planar":
+        yield (
+            f"joint '{planar[0]}' above the base is planar: if the robot floats on a "
+            "table, give motion: planar in a robot file"
+        )
 
 
 def _wheels(

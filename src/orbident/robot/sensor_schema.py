@@ -87,7 +87,7 @@ class Sampled(MappingSchema):
         One sample comes `dt` after the other, s.
         """
         del dt
-        return 0.0
+        return getattr(self, "white_noise", 0.0)
 
     @property
     def bias_walk(self) -> float:
@@ -254,6 +254,7 @@ class TrackerSpec(Sampled):
 
     correlation_time: Annotated[Axes, per_axis("time", above_zero=True)] | None = None
     white_noise: float
+    """Of a sample, about or along each axis, rad or m."""
     markov_std: Axes | None
     random_walk: Axes | None
 
@@ -265,11 +266,6 @@ class TrackerSpec(Sampled):
         if self.correlation_time is not None and std is None:
             raise WrongValueError("correlation_time needs a markov_std beside it")
         return self
-
-    def white_std(self, dt: float = 1.0) -> float:
-        """That of a sample, about or along each axis, rad or m."""
-        del dt
-        return self.white_noise
 
     @property
     def coloured(self) -> Coloured:
@@ -304,11 +300,6 @@ class TorqueSpec(Sampled):
     NOISES = ("white_noise",)
 
     white_noise: Annotated[float, measure_of(TORQUE_OF_A_JOINT)] = Field(alias="std")
-
-    def white_std(self, dt: float = 1.0) -> float:
-        """That of a sample."""
-        del dt
-        return self.white_noise
 
 
 OfJoints = EncoderSpec | TorqueSpec

@@ -136,8 +136,9 @@ def quantity(given: object, dimension: str) -> float:
     number, unit = _split(given)
     factor = units.get(unit) if unit else 1.0
     if factor is None:
+        article = "an" if dimension[0] in "aeiou" else "a"
         raise WrongValueError(
-            f"unknown unit {quoted(unit)} of {_article(dimension)}; "
+            f"unknown unit {quoted(unit)} of {article} {dimension}; "
             f"accepted: {', '.join(units)}"
         )
     si = next(iter(units))
@@ -192,10 +193,6 @@ def _split(given: object) -> tuple[float | None, str]:
     if found is None:
         return None, ""
     return float(found[0]), "".join(found.string[found.end() :].split())
-
-
-def _article(noun: str) -> str:
-    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
 
 
 def at_least_zero(value: object, dimension: str) -> float:

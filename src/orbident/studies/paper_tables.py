@@ -149,25 +149,17 @@ def spatial_robot() -> Robot:
 
 def spatial_trajectory(robot: Robot) -> Trajectory:
     """Table 2's exciting trajectory with Table 3's initial conditions."""
-    at_rest = np.zeros((len(robot.joints), 3))
     speeds = {
         wheel.name: momentum / wheel.inertia
         for wheel, momentum in zip(robot.wheels, SPATIAL_WHEEL_MOMENTUM, strict=True)
     }
-    return Trajectory(
-        duration=SPATIAL_DURATION,
-        joints=robot.joint_names,
-        a=np.array(SPATIAL_A),
-        b=np.array(SPATIAL_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(
-            angular_velocity=np.array(SPATIAL_ANGULAR_VELOCITY),
-            attitude=np.array(SPATIAL_ATTITUDE),
-            wheel_speed=speeds,
-        ),
-        source="Table 2",
+    initial = InitialState(
+        angular_velocity=np.array(SPATIAL_ANGULAR_VELOCITY),
+        attitude=np.array(SPATIAL_ATTITUDE),
+        wheel_speed=speeds,
     )
+    series = np.array(SPATIAL_A), np.array(SPATIAL_B)
+    return _exciting(robot, SPATIAL_DURATION, series, initial, "Table 2")
 
 
 def planar_robot() -> Robot:
@@ -177,15 +169,19 @@ def planar_robot() -> Robot:
 
 def planar_trajectory(robot: Robot) -> Trajectory:
     """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
-    at_rest = np.zeros((len(robot.joints), 3))
     speeds = dict.fromkeys(robot.wheel_names, PLANAR_WHEEL_SPEED)
-    return Trajectory(
-        duration=PLANAR_DURATION,
-        joints=robot.joint_names,
-        a=np.array(PLANAR_A),
-        b=np.array(PLANAR_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(wheel_speed=speeds),
-        source="Table 5",
-    )
+    initial = InitialState(wheel_speed=speeds)
+    series = np.array(PLANAR_A), np.array(PLANAR_B)
+    return _exciting(robot, PLANAR_DURATION, series, initial, "Table 5")
+
+
+def _exciting(
+    robot: Robot,
+    duration: float,
+    series: tuple[np.ndarray, np.ndarray],
+    initial: InitialState,
+    source: str,
+) -> Trajectory:
+    """A motion from rest to rest with the Fourier series `a` and `b`."""
+    rest, joints = np.zeros((len(robot.joints), 3)), robot.joint_names
+    return Trajectory(duration, joints, *series, rest, rest, initial, source=source)
