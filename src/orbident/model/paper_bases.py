@@ -101,9 +101,7 @@ def spatial_columns(
     return PaperColumns(np.stack(Y, axis=1), np.stack(W, axis=1), np.zeros(3))
 
 
-def planar_columns(
-    r_joint1: tuple[float, float],
-) -> Columns:
+def planar_columns(r_joint1: tuple[float, float]) -> Columns:
     """The 8 + 4 columns of the planar arm (Eqs. A.4 and A.7), base axes.
 
     `r_joint1` is from S to the first joint, base axes, m.

@@ -2,6 +2,7 @@
 
 import json
 import math
+import xml.etree.ElementTree as ET
 from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
@@ -11,7 +12,7 @@ from pydantic import BeforeValidator
 
 from orbident.errors import InputError
 from orbident.files.bounds import SMALLEST
-from orbident.files.names import quoted
+from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
 from orbident.robot.description import (
     NO_ROTOR,
@@ -295,3 +296,70 @@ def check_driven(
                     f"{place}: {section}.{name}: the joint is passive: no motor drives "
                     "it, and its damping is among 'passive'; leave out one"
                 )
+
+
+TURNING = ("revolute", "continuous")
+"""The kinds of joints that may give way."""
+
+
+def flexibility(joint: str) -> str:
+    """The name of the passive joint behind a measured one."""
+    return f"{joint}'s flexibility"
+
+
+def with_flexible_joints(
+    document: Mapping[str, Any], urdf: str, place: str
+) -> tuple[dict[str, Any], str]:
+    """The robot file and the URDF with passive joints in place of flexible ones.
+
+    The encoder of a joint that gives way between motor and link is on its motor's side.
+    Behind it stands a passive joint about the same axis, and the body between both has
+    no mass: everything else knows passive joints alone. Both were read and checked.
+
+    Raises:
+        InputError: a flexible joint does not turn, or is passive too.
+    """
+    root = ET.fromstring(
+        urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    )
+    joints = {
+        joint.get("name", ""): joint
+        for joint in root.findall("joint")
+        if joint.get("type") in TURNING
+    }
+    passive = dict(document.get("passive", {}))
+    structure = dict(document.get("structure", {}))
+    for name, spring in document["flexible"].items():
+        if name not in joints:
+            raise InputError(
+                f"{place}: flexible: no joint {name!r} that turns; "
+                + suggestion(name, joints, "ones")
+            )
+        if name in passive:
+            raise InputError(
+                f"{place}: flexible.{name}: the joint is passive, and a flexible one "
+                "is measured on its motor's side; leave out one"
+            )
+        like = {"like": flexibility(spring["like"])} if "like" in spring else {}
+        passive[flexibility(name)] = {**spring, **like}
+        structure[f"{name}'s motor"] = {"massless": True}
+        _split(root, joints[name], f"{name}'s motor")
+    others = {key: each for key, each in document.items() if key != "flexible"}
+    return (
+        {**others, "passive": passive, "structure": structure},
+        ET.tostring(root, encoding="unicode") + "\n",
+    )
+
+
+def _split(root: ET.Element, joint: ET.Element, between: str) -> None:
+    """Put a link and a joint about the same axis between a joint and its child."""
+    ET.SubElement(root, "link", name=between)
+    spring = ET.SubElement(
+        root, "joint", name=flexibility(joint.get("name", "")), type="continuous"
+    )
+    ET.SubElement(spring, "parent", link=between)
+    spring.extend(joint.findall("child"))
+    spring.extend(joint.findall("axis"))
+    for child in joint.findall("child"):
+        joint.remove(child)
+    ET.SubElement(joint, "child", link=between)

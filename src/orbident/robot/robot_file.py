@@ -24,7 +24,6 @@ from orbident.robot.description import (
     Robot,
     Wheel,
 )
-from orbident.robot.flexible_joints import with_flexible_joints
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.joint_schema import (
@@ -34,6 +33,7 @@ from orbident.robot.joint_schema import (
     couplings_of,
     proposed_rotors,
     rotors_by_joint,
+    with_flexible_joints,
 )
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
