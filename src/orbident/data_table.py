@@ -1,7 +1,4 @@
-"""A table as data: described once, shown by the terminal and by reports.
-
-This is the one import of pandas, for tables in notebooks.
-"""
+"""A table as data, shown by the terminal and by reports; the one import of pandas."""
 
 from collections.abc import Iterable, Mapping
 from math import floor, isfinite, isnan, log10
@@ -12,11 +9,6 @@ from orbident.extras import extra
 
 def frame(columns: Mapping[str, Any], index: Any, name: str) -> Any:
     """A `pandas.DataFrame`.
-
-    Args:
-        columns: by name; each as long as the index.
-        index: what names the rows.
-        name: of the index.
 
     Raises:
         MissingLibraryError: pandas is not installed.

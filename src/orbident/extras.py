@@ -21,9 +21,7 @@ class MissingLibraryError(InputError):
 def extra(name: str, purpose: str) -> Iterator[None]:
     """Import libraries of an extra in the block.
 
-    Args:
-        name: the extra, as in `pip install "orbident[name]"`.
-        purpose: what needs the libraries; the message begins with it.
+    The message begins with the purpose: what needs the libraries.
 
     Raises:
         MissingLibraryError: a module that the block imports is not installed.
@@ -40,9 +38,6 @@ def extra(name: str, purpose: str) -> Iterator[None]:
 def require_library(library: str) -> None:
     """Stands in a block of `extra` for the import, where only a child imports it.
 
-    Args:
-        library: its name.
-
     Raises:
         ModuleNotFoundError: it is not installed.
     """
@@ -54,12 +49,7 @@ _PLACES: dict[str, str] = {}
 
 
 def provide(name: str, place: str) -> None:
-    """Register a function of a result; its module is imported when it is first used.
-
-    Args:
-        name: by which a result asks for it.
-        place: `module:function`.
-    """
+    """Register a function of a result, `module:function`, to be imported when used."""
     _PLACES[name] = place
 
 

@@ -15,15 +15,11 @@ OF_MEDIAN = 1.4826
 def white_std_of(
     differences: Float[np.ndarray, "n ..."], order: int, axis: int | None = None
 ) -> Float[np.ndarray, " ..."]:
-    """Std of the white noise whose differences of some order these are.
+    """Std of the white noise whose differences of some order these are, in their unit.
 
     A smooth motion has the less of them the higher the order. Those of white noise have
-    `C(2 order, order)` times its variance: 2, 6, 20, 70. Outliers hardly count.
-
-    Args:
-        differences: of evenly spaced samples, any unit.
-        order: of the differences.
-        axis: along which the median is taken; of all of them where it is None.
+    `C(2 order, order)` times its variance: 2, 6, 20, 70. Outliers hardly count. The
+    median is taken along `axis`, or of all of them where it is None.
     """
     typical = np.median(np.abs(differences), axis=axis)
     return np.asarray(OF_MEDIAN * typical / np.sqrt(math.comb(2 * order, order)))
@@ -32,8 +28,7 @@ def white_std_of(
 def white_std(samples: Float[np.ndarray, "samples ..."]) -> Float[np.ndarray, " ..."]:
     """Std of the white noise of each column, from fourth differences.
 
-    Args:
-        samples: evenly spaced, five at least; any unit.
+    Samples are evenly spaced, five at least, in any unit.
     """
     return white_std_of(np.diff(samples, n=4, axis=0), 4, axis=0)
 

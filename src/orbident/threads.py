@@ -85,9 +85,7 @@ def one_blas_thread(
     return wrapped
 
 
-def one_thread(
-    work: Callable[Arguments, Returned],
-) -> Callable[Arguments, Returned]:
+def one_thread(work: Callable[Arguments, Returned]) -> Callable[Arguments, Returned]:
     """Run what has other processes beside it with one thread, of BLAS and the core."""
 
     @functools.wraps(work)

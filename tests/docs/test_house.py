@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 308,
-    "lines": 64_435,
+    "files": 307,
+    "lines": 63_247,
     "files of estimation": 49,
-    "lines of estimation": 11_674,
-    "files with one user": 69,
+    "lines of estimation": 11_706,
+    "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,
 }

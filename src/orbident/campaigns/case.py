@@ -215,11 +215,8 @@ def recorded(
 ) -> Recording:
     """What sensors record of a flight.
 
-    Args:
-        robot: that flies, with the sensors that it has.
-        trajectory: of the joints, which do exactly that, and what acts.
-        errors: of instruments; those of geometry are the robot's own.
-        seed: of the sensors' noise, and of what is random of the environment.
+    The errors are those of instruments: the robot has its own of geometry. The seed is
+    of the sensors' noise and of what is random of the environment.
 
     Raises:
         InputError: this robot cannot fly that, or its sensors cannot record it.
@@ -235,11 +232,7 @@ def with_instrument_errors(
 ) -> Truth:
     """What instruments with these errors would show without noise.
 
-    Args:
-        robot: whose joints are named.
-        t: of the rows, s.
-        true: at these times.
-        errors: of instruments; those of geometry are `moved_joints`.
+    The rows are at `t`, s; errors of geometry are `moved_joints`.
     """
     zero, scale = (
         np.ravel([_drawn(errors, kind, name) for name in robot.joint_names])

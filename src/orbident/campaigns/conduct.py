@@ -60,12 +60,7 @@ class Chunk(NamedTuple):
 
 @one_thread
 def run_chunk(campaign: Campaign, runs: range) -> Chunk:
-    """Make these runs; one that raises is a failure, and the rest go on.
-
-    Args:
-        campaign: its spec, robots and trajectories.
-        runs: their numbers.
-    """
+    """Make these runs; one that raises is a failure, and the rest go on."""
     rows: list[Row] = []
     failures: list[dict[str, Any]] = []
     for k in runs:
@@ -221,11 +216,7 @@ def conduct(
 ) -> Done:
     """Make what is missing.
 
-    Args:
-        campaign: of the folder.
-        folder: that `begin` made.
-        executors: where runs are made.
-        progress: is called after every chunk, and before the first.
+    The progress is told after every chunk, and before the first.
 
     Raises:
         InputError: another command is at it, the folder cannot be written, rows that

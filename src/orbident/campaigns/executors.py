@@ -54,13 +54,9 @@ def computed(
 ) -> Generator[tuple[Task, Future[Done]]]:
     """Do all tasks; those that workers had when they died are done again.
 
-    Close the generator when it is not read to its end: that ends the workers.
-
-    Args:
-        executors: where.
-        work: takes one task; goes to the workers.
-        tasks: no two are equal.
-        after: what the user is to do when workers die again and again.
+    Close the generator when it is not read to its end: that ends the workers. The work
+    takes one task, and goes to the workers; no two tasks are equal. `after` says what
+    the user is to do when workers die again and again.
 
     Yields:
         Tasks as they are done, in any order, each with its result or what it raised.
@@ -168,10 +164,8 @@ then hands what it has begun to others; at the end of its job it could not."""
 def cluster(where: str, jobs: int) -> Executors:
     """An executor on a cluster.
 
-    Args:
-        where: a scheduler's address, such as `tls://host:8786`; a scheduler file; or
-            `slurm`.
-        jobs: that are submitted to Slurm.
+    It is at a scheduler's address, such as `tls://host:8786`, or that of a scheduler
+    file, or so many jobs are submitted to `slurm`.
 
     Raises:
         MissingLibraryError: Dask is not installed.

@@ -67,10 +67,8 @@ class Campaign:
 def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
     """Freeze a campaign into a folder, or find it there.
 
-    Args:
-        file: the campaign file.
-        folder: made if it is missing; one of the same campaign is gone on with.
-        paper_motion: for robots without a trajectory file of their own.
+    A folder of the same campaign is gone on with; `paper_motion` is for robots without
+    a trajectory file of their own.
 
     Raises:
         InputError: a file that the campaign names cannot be used, or the folder has
@@ -135,11 +133,6 @@ def working(folder: Path) -> Iterator[None]:
 
 def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") -> None:
     """Refuse to go on with other versions: numbers would differ in their last digits.
-
-    Args:
-        folder: of the campaign.
-        found: `versions` there.
-        who: has them.
 
     Raises:
         InputError: the campaign was begun with others.
@@ -300,10 +293,7 @@ def read_rows(
 ) -> pa.Table:
     """The rows of all chunks that are done, in the order of runs.
 
-    Args:
-        campaign: of the folder.
-        folder: of the campaign.
-        columns: those that are wanted; all by default.
+    All columns are read by default.
 
     Raises:
         InputError: a file is damaged.

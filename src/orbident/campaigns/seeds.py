@@ -93,13 +93,9 @@ class SeedRuns(NamedTuple):
         return range(self.first, self.first + self.seeds)
 
     def over(self, *series: Series) -> list[Errors]:
-        """Make all runs; the same numbers wherever and in whatever order.
+        """The errors of each series, the same wherever and in whatever order runs are.
 
-        Args:
-            series: each with the same number of quantities in all its runs.
-
-        Returns:
-            The errors of each series.
+        A series has the same number of quantities in all its runs.
 
         Raises:
             InputError: a series has no seeds, or workers die again and again.

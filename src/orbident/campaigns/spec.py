@@ -1,7 +1,4 @@
-"""Campaign files: which robots fly which motions, how often, and what varies.
-
-What varies is drawn from distributions by name.
-"""
+"""Campaign files: which robots fly which motions, how often, and what varies."""
 
 import os
 from dataclasses import dataclass
@@ -55,9 +52,8 @@ class Distribution:
 def drawn_from(dimension: str, largest: float = LARGEST) -> BeforeValidator:
     """Reads a distribution from a file, as `{normal: 0.1}`.
 
-    Args:
-        dimension: of the quantity, as `robot.units` has it.
-        largest: magnitude of its numbers.
+    The dimension is one of `robot.units`; no number is of a larger magnitude than
+    `largest`.
     """
 
     def read(value: object) -> Distribution:

@@ -169,11 +169,7 @@ class _Rate:
 
 
 def _report(begun: Any, folder: Path) -> list[str]:
-    """Write the report.
-
-    Returns:
-        A warning where it could not be made.
-    """
+    """Write the report; a warning where it could not be made."""
     from orbident.extras import MissingLibraryError
     from orbident.report.campaign_page import write_campaign_report
 

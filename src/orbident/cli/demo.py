@@ -90,11 +90,7 @@ def demo(
 
 
 def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], Any]:
-    """Write recordings and RUN.
-
-    Returns:
-        A warning where the report could not be made; the result, which knows its input.
-    """
+    """Write recordings and RUN: warnings, and the result, which knows its input."""
     from dataclasses import replace
 
     from orbident.cli.identify import keep
@@ -110,12 +106,7 @@ def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], A
 
 
 def _next(out: Path, shown: bool) -> list[str]:
-    """Where to look, and what to do with a robot of one's own.
-
-    Args:
-        out: the folder.
-        shown: whether the report is to be opened.
-    """
+    """Where to look, and what to do with a robot of one's own."""
     from orbident.identified.run_folder import REPORT
 
     page = out / RUN / REPORT

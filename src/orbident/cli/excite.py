@@ -29,114 +29,103 @@ DURATION = 60.0
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed", "impulse")
 
 
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "-o",
-        metavar="TRAJ",
-        help="The trajectory file; with --recordings 3, a.yaml stands for a-1.yaml, "
-        "a-2.yaml and a-3.yaml.",
-    ),
-]
-Duration = Annotated[
-    float | None, typer.Option(help="Duration of the motion, s (default 60).")
-]
-Harmonics = Annotated[
-    int | None,
-    typer.Option(
-        help="Number of Fourier harmonics (Eq. 41). By default 3; where anything may "
-        "act from outside, the search chooses, up to 32."
-    ),
-]
-Criterion = Annotated[
-    Objective | None,
-    typer.Option(
-        help="What is made small. cond: the condition number of the "
-        "stacked regressor. d, a, e: the "
-        "geometric mean, root mean square or largest standard deviation of all "
-        "parameters. The default is d where the robot file declares sensors, and cond "
-        "otherwise or with --like-paper."
-    ),
-]
-Recordings = Annotated[
-    int,
-    typer.Option(
-        help="Design so many motions of this duration, for as many recordings that "
-        "are identified together.",
-        min=1,
-        max=MOST_RECORDINGS,
-    ),
-]
-Starts = Annotated[
-    int | None,
-    typer.Option(help="Number of random starts of the search (default 24 or more)."),
-]
-Budget = Annotated[
-    float | None,
-    typer.Option(
-        metavar="SECONDS",
-        help="Search time, instead of a number of starts. One start takes minutes with "
-        "40 harmonics, or with 1e5 s of motion.",
-    ),
-]
-Uncertainty = Annotated[
-    float,
-    typer.Option(
-        help="Relative uncertainty of masses and sizes, such as 0.1: the motion is "
-        "made for the worst robot within it."
-    ),
-]
-Like = Annotated[
-    Path | None,
-    typer.Option(
-        "--like",
-        metavar="TRAJ",
-        help="Take both ends of the motion and the initial state from this trajectory.",
-    ),
-]
-LikePaper = Annotated[
-    bool,
-    typer.Option("--like-paper", help="Use the paper's conditions for its two robots."),
-]
-Limit = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--limit",
-        metavar="NAME=VALUE",
-        help="Add a limit, in SI; may be given several times. NAME is one of "
-        f"{', '.join(LIMITS)}, or table, whose VALUE is a width and a depth such as "
-        "1.2x0.8, or the radius of a round one such as 0.6.",
-    ),
-]
-Compare = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--compare",
-        metavar="TRAJ",
-        help="Score this trajectory instead of designing one, or those of several "
-        "recordings together; may be given several times. With --limit, say what it "
-        "exceeds.",
-    ),
-]
-Seed = Annotated[int, typer.Option(help="Random seed of the starts.", min=0)]
-
-
 def excite(
     output: Output,
     robot: RobotName,
-    out: Out = None,
-    duration: Duration = None,
-    harmonics: Harmonics = None,
-    objective: Criterion = None,
-    recordings: Recordings = 1,
-    starts: Starts = None,
-    budget: Budget = None,
-    uncertainty: Uncertainty = 0.0,
-    like: Like = None,
-    like_paper: LikePaper = False,
-    limit: Limit = None,
-    compare: Compare = None,
-    seed: Seed = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            metavar="TRAJ",
+            help="The trajectory file; with --recordings 3, a.yaml stands for "
+            "a-1.yaml, a-2.yaml and a-3.yaml.",
+        ),
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Duration of the motion, s (default 60).")
+    ] = None,
+    harmonics: Annotated[
+        int | None,
+        typer.Option(
+            help="Number of Fourier harmonics (Eq. 41). By default 3; where anything "
+            "may act from outside, the search chooses, up to 32."
+        ),
+    ] = None,
+    objective: Annotated[
+        Objective | None,
+        typer.Option(
+            help="What is made small. cond: the condition number of the "
+            "stacked regressor. d, a, e: the geometric mean, root mean square or "
+            "largest standard deviation of all parameters. The default is d where the "
+            "robot file declares sensors, and cond otherwise or with --like-paper."
+        ),
+    ] = None,
+    recordings: Annotated[
+        int,
+        typer.Option(
+            help="Design so many motions of this duration, for as many recordings that "
+            "are identified together.",
+            min=1,
+            max=MOST_RECORDINGS,
+        ),
+    ] = 1,
+    starts: Annotated[
+        int | None,
+        typer.Option(
+            help="Number of random starts of the search (default 24 or more)."
+        ),
+    ] = None,
+    budget: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Search time, instead of a number of starts. One start takes minutes "
+            "with 40 harmonics, or with 1e5 s of motion.",
+        ),
+    ] = None,
+    uncertainty: Annotated[
+        float,
+        typer.Option(
+            help="Relative uncertainty of masses and sizes, such as 0.1: the motion is "
+            "made for the worst robot within it."
+        ),
+    ] = 0.0,
+    like: Annotated[
+        Path | None,
+        typer.Option(
+            "--like",
+            metavar="TRAJ",
+            help="Take both ends of the motion and the initial state from this "
+            "trajectory.",
+        ),
+    ] = None,
+    like_paper: Annotated[
+        bool,
+        typer.Option(
+            "--like-paper", help="Use the paper's conditions for its two robots."
+        ),
+    ] = False,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--limit",
+            metavar="NAME=VALUE",
+            help="Add a limit, in SI; may be given several times. NAME is one of "
+            f"{', '.join(LIMITS)}, or table, whose VALUE is a width and a depth such "
+            "as 1.2x0.8, or the radius of a round one such as 0.6.",
+        ),
+    ] = None,
+    compare: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--compare",
+            metavar="TRAJ",
+            help="Score this trajectory instead of designing one, or those of several "
+            "recordings together; may be given several times. With --limit, say what "
+            "it exceeds.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Random seed of the starts.", min=0)] = 0,
     force: Force = False,
 ) -> None:
     """Design a motion that excites every parameter.
@@ -149,9 +138,7 @@ def excite(
     from orbident.trajectories.trajectory_file import numbered
 
     if compare:
-        _check_alone(recordings)
-        limits = _limits(limit or [])
-        _compare(oi.load_robot(robot), compare, like_paper, limits, output)
+        _compare(robot, compare, recordings, like_paper, limit, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
@@ -207,27 +194,25 @@ def _designed(
     return made
 
 
-def _check_alone(recordings: int) -> None:
-    if recordings > 1:
-        raise InputError(
-            f"--recordings {recordings}: --compare scores motions that exist, and "
-            "those of several recordings where TRAJ stands for several files; leave "
-            "--recordings out"
-        )
-
-
 def _compare(
-    robot: Any,
+    name: str,
     paths: list[Path],
+    recordings: int,
     like_paper: bool,
-    limits: dict[str, Any],
+    limit: list[str] | None,
     output: Any,
 ) -> None:
     from orbident.excitation.conditions import limits_of
     from orbident.excitation.scores import compare_trajectories
     from orbident.trajectories.trajectory_file import load_experiment
 
-    basis = None
+    if recordings > 1:
+        raise InputError(
+            f"--recordings {recordings}: --compare scores motions that exist, and "
+            "those of several recordings where TRAJ stands for several files; leave "
+            "--recordings out"
+        )
+    limits, robot, basis = _limits(limit or []), oi.load_robot(name), None
     if like_paper:
         from orbident.studies.spatial import paper_case
 
@@ -286,6 +271,8 @@ def _conditions(
 
 
 def _limits(entries: list[str]) -> dict[str, Any]:
+    from orbident.excitation.table_points import TableSize
+
     limits = {}
     for entry in entries:
         name, _, value = entry.partition("=")
@@ -300,11 +287,6 @@ def _limits(entries: list[str]) -> dict[str, Any]:
                 f"NAME one of {', '.join(LIMITS)}, or table=WIDTHxDEPTH or "
                 "table=RADIUS in m"
             )
-        limits[name] = _table(numbers) if name == "table" else numbers[0]
+        size = TableSize(*numbers) if numbers[1:] else TableSize(radius=numbers[0])
+        limits[name] = size if name == "table" else numbers[0]
     return limits
-
-
-def _table(numbers: list[float]) -> Any:
-    from orbident.excitation.table_points import TableSize
-
-    return TableSize(*numbers) if numbers[1:] else TableSize(radius=numbers[0])

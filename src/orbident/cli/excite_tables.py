@@ -88,10 +88,7 @@ def excites_all(found: Any) -> bool:
 def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     """A designed trajectory in words.
 
-    Args:
-        found: the trajectory.
-        paper: the paper's case, or None.
-        at_rest: the robot is at rest before its wheels spin up.
+    The robot may be at rest before its wheels spin up; the paper's case may be None.
     """
     from orbident.data_table import table_of
 

@@ -137,11 +137,7 @@ def identify(
 
 
 def keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[str]:
-    """Write a RUN with its report.
-
-    Returns:
-        A warning where its report could not be made.
-    """
+    """Write a RUN with its report; a warning where that could not be made."""
     from orbident.extras import MissingLibraryError
     from orbident.identified.run_folder import REPORT, saving
     from orbident.report.replay_figure import write_replay

@@ -7,9 +7,7 @@ from textwrap import wrap
 from typing import Any
 
 from orbident.data_table import DataTable, Numeric, TableRow
-from orbident.estimation.quantities import (
-    parameter_rows,
-)
+from orbident.estimation.quantities import parameter_rows
 from orbident.model.core_robot import IN_FORMULAS, geared_joints
 from orbident.model.formulas import named
 from orbident.report.parameter_section import (
@@ -36,10 +34,7 @@ COLUMNS = 80
 def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataTable]:
     """The lines of a result, on one screen of 24 lines unless everything is wanted.
 
-    Args:
-        result: of an identification.
-        out: the RUN that keeps it, if any.
-        everything: also `pi`, `phi`, the mass by every route, residuals of sensors.
+    With everything come `pi`, `phi`, the mass by every route, residuals of sensors.
     """
     written = [] if out is None else [f"written: {out}"]
     if result.status == "rejected":
@@ -206,11 +201,7 @@ def _sensitivity(result: Any) -> list[str]:
 
 
 def budget_lines(budget: Any) -> Iterator[str | DataTable]:
-    """What deviations are made of, and what limits the mass.
-
-    Args:
-        budget: of a result, or of a bound; None where there is none.
-    """
+    """What deviations are made of, and what limits the mass."""
     if budget is not None:
         yield from ("", budget.table(), "", *_limits(budget))
 

@@ -8,10 +8,7 @@ import typer
 
 import orbident as oi
 from orbident.choices import InitialMomentum
-from orbident.cli.options import (
-    MomentumKnown,
-    RobotName,
-)
+from orbident.cli.options import MomentumKnown, RobotName
 from orbident.cli.output import Output, progress
 
 

@@ -111,7 +111,6 @@ def live(
 
 
 def _check_number(option: str, number: float | None) -> None:
-
     if number is not None and not 0 < number < float("inf"):
         raise oi.InputError(f"{option}: found {number}; give a number above zero")
 

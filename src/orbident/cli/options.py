@@ -16,7 +16,6 @@ from orbident.errors import InputError
 
 
 def _bundled(incomplete: str) -> list[str]:
-
     return [name for name in oi.bundled_robots() if name.startswith(incomplete)]
 
 

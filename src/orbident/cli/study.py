@@ -165,11 +165,7 @@ def _check_free(out: Path, name: Study, force: bool) -> None:
 def _keep(
     done: Any, name: Study, out: Path, force: bool, seed: int | None
 ) -> list[str]:
-    """Write the study's files and its RUN.
-
-    Returns:
-        A warning where pictures and report could not be made.
-    """
+    """Write the study's files and its RUN; a warning where pictures were not made."""
     from dataclasses import replace
 
     from orbident.extras import MissingLibraryError
@@ -193,11 +189,7 @@ def _keep(
 
 
 def _write_data(done: Any, name: Study, folder: Path) -> Path:
-    """Trajectory, recordings and the figures' data.
-
-    Returns:
-        The path of the recording that was identified from.
-    """
+    """Write what was flown and the figures' data; the path of what was identified."""
     oi.save_trajectory(done.trajectory, folder / TRAJECTORY)
     if name != "planar":
         recordings = (done.recording,)

@@ -6,13 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import orbident as oi
-from orbident.cli.options import (
-    End,
-    RecordingFile,
-    RunFolder,
-    Start,
-    cut_to_times,
-)
+from orbident.cli.options import End, RecordingFile, RunFolder, Start, cut_to_times
 from orbident.cli.output import Output, progress
 
 
@@ -62,11 +56,7 @@ def was_used(
 ) -> bool:
     """Whether a result was identified from some of the same samples.
 
-    Args:
-        origin: what it was identified from, as `Result.input` says.
-        sha256: of the recording.
-        start: the first of its samples, s, if not all are used.
-        end: the last one.
+    The samples are those from `start` to `end`, s, where not all are used.
     """
     return any(
         one.get("sha256") == sha256

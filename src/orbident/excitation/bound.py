@@ -69,11 +69,8 @@ def bound_of(
 ) -> CramerRao:
     """The bound of `pi`, `phi` and the base parameters, at their nominal values.
 
-    Args:
-        robot: with the noise of its sensors.
-        trajectory: of the joints, with the initial state of base and wheels. Of its
-            environment, the thrusters act, as their recorded force says.
-        initial_momentum: `"at-rest"` where the momentum will be known.
+    Of the trajectory's environment, the thrusters act, as their recorded force says.
+    The momentum is `"at-rest"` where it will be known.
 
     Raises:
         InputError: the robot file has no noise of a sensor of the base, or the

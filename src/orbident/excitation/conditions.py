@@ -241,14 +241,9 @@ def conditions_for(
     """The usual conditions: from rest at q = 0 to rest at q = 0, in the limits.
 
     A joint that cannot stand at zero, or at the end of its range only, starts and ends
-    in the middle of it. On a limited table the arm starts and ends folded.
-
-    Args:
-        robot: with its limits.
-        duration: s.
-        harmonics: N_f; the search's choice by default.
-        limits: those of the robot file by default.
-        like: takes its ends and its initial state from this trajectory.
+    in the middle of it. On a limited table the arm starts and ends folded. The duration
+    is in s. By default the search chooses `harmonics`, N_f, and limits are those of the
+    robot file; `like` gives its ends and its initial state.
 
     Raises:
         InputError: as of `Conditions`, or the limits or the trajectory are not for

@@ -71,10 +71,8 @@ def log_criterion(
 ) -> LogValue:
     """The logarithm of a criterion of the eigenvalues of an information matrix.
 
-    Args:
-        objective: which.
-        l: logarithms of the eigenvalues, ascending.
-        p: the greater, the closer to the extreme eigenvalues.
+    The logarithms `l` of the eigenvalues ascend. The greater `p`, the closer are the
+    means to extreme eigenvalues.
     """
     if objective == "d":
         value = float(-l.mean() / 2)
@@ -109,11 +107,8 @@ def Y_hat(
 ) -> Float[np.ndarray, "rows m"]:
     """`R_0 Y - (R_0 Y)_in`, inertial axes (Eq. 24).
 
-    Args:
-        motion: of the robot.
-        pi_of: the parameters in use.
-        axes: in which angular momentum is conserved.
-        at_rest: all was at rest before the wheels spun up, so `Y_in = 0` (Eq. 26).
+    Angular momentum is conserved in `axes`. Where all was at rest before the wheels
+    spun up, `Y_in = 0` (Eq. 26).
     """
     RY = block(motion.R, axes, axes) @ (motion.Y @ pi_of)
     RY = RY if at_rest else RY - RY[0]

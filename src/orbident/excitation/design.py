@@ -221,15 +221,9 @@ def design_recordings(
 ) -> Iterator[Trajectory]:
     """Design a motion for each of several recordings, the best beside those before it.
 
-    An interrupt ends it: the motion that was searched is the last.
-
-    Args:
-        robot: as of `design_excitation`.
-        recordings: how many, one or more.
-        conditions: of each of them.
-        objective: as of `design_excitation`.
-        budget: seconds for all of them.
-        others: as of `design_excitation`.
+    An interrupt ends it: the motion that was searched is the last. The conditions are
+    those of each recording, and the budget, s, is for all of them. All else is as of
+    `design_excitation`.
 
     Raises:
         InputError: as of `design_excitation`.

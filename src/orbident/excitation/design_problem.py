@@ -1,7 +1,4 @@
-"""What a search minimises: a criterion, over all plausible robots, within limits.
-
-Robots that may be the true one, where its inertia is known to a fraction only.
-"""
+"""What a search minimises: a criterion, over all plausible robots, within limits."""
 
 from dataclasses import dataclass, replace
 from math import ceil
@@ -120,9 +117,7 @@ class DesignProblem:
     def evaluate(self, y: Float[np.ndarray, "free m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
 
-        Args:
-            y: coordinates of the joint motion.
-            p: power of the means that stand for extremes.
+        Means of power `p` stand for extremes.
         """
         q, qd = self.motions.along(y)
         dt = 2 * float(self.motions.t[1])
@@ -132,7 +127,7 @@ class DesignProblem:
         # The worst robot by the mean of power p, as for eigenvalues.
         worst, shares = smooth_maximum(smooth, p)
         gradient = sum(
-            share * self._pulled_back(craft, q, qd, f)
+            share * self.motions.pull_back(*craft.pull_back(q, qd, f))
             for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
         )
         used, by_y = self._all_used(q, qd, motions)
@@ -143,9 +138,7 @@ class DesignProblem:
     ) -> Float[np.ndarray, "free m"]:
         """A motion that is well inside the limits of the base, or as far as can be.
 
-        Args:
-            polytope: the joint limits.
-            middle: a motion inside them; it is returned where the base allows it.
+        It is `middle`, a motion inside the joints' limits, where the base allows that.
         """
         shape, step = middle.shape, 2 * float(self.motions.t[1])
 
@@ -214,15 +207,6 @@ class DesignProblem:
             information.add(f, left @ by_matrix(spectrum, value.by_l) @ left.T)
         return (value.smooth, value.exact), f
 
-    def _pulled_back(
-        self,
-        craft: Craft,
-        q: Float[np.ndarray, "nodes joints"],
-        qd: Float[np.ndarray, "nodes joints"],
-        f: Gradient,
-    ) -> Float[np.ndarray, "free m"]:
-        return self.motions.pull_back(*craft.pull_back(q, qd, f))
-
     def _all_used(
         self,
         q: Float[np.ndarray, "nodes joints"],
@@ -255,7 +239,7 @@ class DesignProblem:
         for craft, motion, by_use in zip(self.crafts, motions, by_uses, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
-            gradient += self._pulled_back(craft, q, qd, f)
+            gradient += self.motions.pull_back(*craft.pull_back(q, qd, f))
         return most, gradient
 
     def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses ..."]:
@@ -297,12 +281,8 @@ def problem_for(
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
-    Args:
-        robot: with its nominal inertia.
-        given: the conditions, with a number of harmonics.
-        objective: which criterion.
-        uncertainty: as of `plausible_robots`.
-        known: information that other recordings give, of the nominal robot.
+    The uncertainty is as of `plausible_robots`; `known` is the information that other
+    recordings give, of the nominal robot.
 
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
@@ -361,11 +341,8 @@ def plausible_robots(robot: Robot, uncertainty: float) -> list[Robot]:
     """Each body heavier or lighter and longer or shorter, by a factor of its own.
 
     A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
-    keeps its CM's axis and its principal axes.
-
-    Args:
-        robot: with the nominal inertia; the first of those returned.
-        uncertainty: standard deviation of e and f.
+    keeps its CM's axis and its principal axes. The uncertainty is the standard
+    deviation of e and f; the first robot is nominal.
     """
     if uncertainty == 0.0:
         return [robot]

@@ -2,8 +2,6 @@
 
 The same motion as `simulation.free_floating`, by RK4 on one grid of nodes and
 mid-nodes, and with the nominal or another plausible inertia.
-
-The state in which a manoeuvre starts: its momentum is what fixes the scale.
 """
 
 from dataclasses import dataclass, field, replace
@@ -201,12 +199,9 @@ class Craft:
         qd: Float[np.ndarray, "nodes joints"],
         dt: float,
     ) -> NodalMotion:
-        """Eqs. 2, 17, 18 along a joint motion.
+        """Eqs. 2, 17, 18 along a joint motion, given at nodes and mid-nodes in turn.
 
-        Args:
-            q: joint positions at nodes and mid-nodes in turn, rad or m.
-            qd: joint rates.
-            dt: from node to node, s.
+        Positions are in rad or m; `dt`, from node to node, in s.
         """
         w, x_WB, laws = _core.float_along(self.floating, q, qd, dt, processors())
         return replace(self.seen(q[::2], qd[::2], w, x_WB, dt), laws=laws)
@@ -263,13 +258,8 @@ def craft_of(
 ) -> Craft:
     """The robot as it starts a manoeuvre.
 
-    Args:
-        robot: its `theta` decides.
-        sets: its minimal sets, which are those of any inertia.
-        initial: of base and wheels.
-        start: of the joints.
-        at_rest: all was at rest before the wheels spun up: `h_cm = 0` whatever the
-            inertia, and so `w` at the start.
+    Its `theta` decides. Where all was at rest before the wheels spun up, `h_cm = 0`
+    whatever the inertia, and that gives `w` at the start.
     """
     wheels = wheels_of(robot)
     speeds = initial.wheel_speeds(robot.wheel_names)
@@ -307,12 +297,7 @@ NO_MOMENTUM = 1e-6
 
 
 def usual_initial(robot: Robot, start: Float[np.ndarray, "joints 3"]) -> InitialState:
-    """A state of slow tumbling, all wheels spinning; on a table, spun up from rest.
-
-    Args:
-        robot: the robot with its nominal inertia.
-        start: position, velocity and acceleration of each joint.
-    """
+    """A state of slow tumbling, all wheels spinning; on a table, spun up from rest."""
     speeds = dict.fromkeys(robot.wheel_names, WHEEL_SPEED)
     if robot.motion == "planar":
         return spun_up(robot, speeds, start)
@@ -324,10 +309,7 @@ def spun_up(
 ) -> InitialState:
     """The state after the wheels spun up when all was at rest (Eq. 25).
 
-    Args:
-        robot: with its nominal inertia.
-        wheel_speed: by name, relative to the base, rad/s.
-        start: position, velocity and acceleration of each joint.
+    The wheels' speeds are relative to the base, rad/s.
     """
     initial = InitialState(wheel_speed=wheel_speed)
     w, _ = momentum_at_start(robot, initial, start, at_rest=True)
@@ -354,12 +336,8 @@ def momentum_at_start(
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
     """The base rate, and `h_cm = R_0 (D w + D_q qd + h_rw)` in inertial axes.
 
-    Args:
-        robot: its `theta` decides.
-        initial: of base and wheels.
-        start: position, velocity and acceleration of each joint.
-        at_rest: all was at rest before the wheels spun up: `h_cm = 0`, and the base
-            rate is `-D^-1 (D_q qd + h_rw)`, whatever the initial state says of it.
+    Where all was at rest before the wheels spun up, `h_cm = 0`, and the base rate is
+    `-D^-1 (D_q qd + h_rw)`, whatever the initial state says of it.
     """
     at = inertia_at(robot, start[:, 0])
     h = at.D_q @ start[:, 1] + _wheels_momentum(robot, initial)

@@ -1,6 +1,4 @@
-"""A trajectory whose limits are proven to hold for all times.
-
-How far a motion goes, between samples too: bounds that hold for all times.
+"""Bounds that hold for all times, between samples too: how far a motion goes.
 
 Joints: between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The
 second derivative is bounded in the same way by the fourth, and that by the coefficients
@@ -119,10 +117,8 @@ def base_extremes_of(
 ) -> BaseExtremes:
     """The extremes of the base over the whole duration, with nominal inertia.
 
-    Args:
-        robot: with its nominal inertia.
-        motion: at times that are evenly spaced over the whole duration.
-        joints: proven extremes of the same motion.
+    The motion is at times that are evenly spaced over the whole duration, and `joints`
+    are proven extremes of it.
     """
     t = motion.t
     planar = robot.motion == "planar"
@@ -261,12 +257,7 @@ def proven_within(
 ) -> Proven:
     """The motion, made smaller where its limits cannot be proven otherwise.
 
-    Args:
-        robot: with its nominal inertia.
-        given: the conditions, limits among them.
-        motions: the space of the motions.
-        middle: a motion well inside the limits.
-        y: the motion that is wanted.
+    The motion `middle` is well inside the limits, and `y` is what is wanted.
 
     Raises:
         InputError: the limits of the base cannot be proven for any amplitude.
@@ -299,9 +290,7 @@ def proven_within(
 def proven(robot: Robot, trajectory: Trajectory) -> Proven:
     """What is proven of a motion, whatever its limits.
 
-    Args:
-        robot: with its nominal inertia.
-        trajectory: for this robot, rows in its order.
+    The trajectory is for this robot, rows in its order, and the inertia nominal.
 
     Raises:
         InputError: as of `floated`.
@@ -314,9 +303,7 @@ def proven(robot: Robot, trajectory: Trajectory) -> Proven:
 def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
     """The motion that the trajectory makes, at times close to each other.
 
-    Args:
-        robot: with its nominal inertia.
-        trajectory: for this robot, rows in its order.
+    The trajectory is for this robot, rows in its order, and the inertia nominal.
 
     Raises:
         InputError: the base turns too fast for an accurate attitude.

@@ -291,11 +291,7 @@ class Information:
     """What a motion tells of unknowns and errors of instruments; others are eliminated.
 
     What is known of the errors beforehand is not in it: recordings have them in common.
-
-    Args:
-        sensing: what is measured.
-        motion: of the robot.
-        at_rest: `h_cm = 0` is known: all was at rest before the wheels spun up.
+    At rest, `h_cm = 0` is known: all was at rest before the wheels spun up.
     """
 
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
@@ -377,9 +373,7 @@ def of_parameters(
 ) -> OfParameters:
     """Eliminate the errors of instruments, which have a deviation of one beforehand.
 
-    Args:
-        sensing: what is measured.
-        F: the sum of `Information.F` of all recordings.
+    `F` is the sum of `Information.F` of all recordings.
     """
     u = sensing.pi_of.shape[1]
     by_error = np.linalg.solve(F[u:, u:] + np.eye(len(F) - u), F[u:, :u])

@@ -1,9 +1,7 @@
-"""The joint limits, which are linear in the coordinates of a motion.
+"""Joint motions of Eq. 41 with given ends as a linear space, and their limits in it.
 
 Each row is a limit at a node: `slack = room - normals y`, over the size of the limit,
 so that 1 is the middle and 0 the limit itself.
-
-All joint motions of Eq. 41 with given ends, as a linear space.
 
 With the ends fixed, positions and rates are linear in the coefficients `a, b`. But the
 quintic nearly cancels a slow harmonic, so some coefficients may be a hundred times
@@ -99,10 +97,7 @@ def joint_motions(
 ) -> JointMotions:
     """The motions between two states of the joints.
 
-    Args:
-        given: the states, the duration, the number of harmonics, and limits of rates.
-        coupled: which joints follow others.
-        nodes: so many times, evenly spaced from 0 to the duration.
+    The nodes are evenly spaced from 0 to the duration.
     """
     assert given.harmonics is not None
     duration, harmonics = given.duration, given.harmonics
@@ -185,10 +180,8 @@ def inner_point(
 ) -> Float[np.ndarray, "free m"]:
     """The motion that stays farthest from all of its limits.
 
-    Args:
-        polytope: the limits of the joints that follow none.
-        limits: of all joints.
-        names: of those that follow none, by their number among all.
+    Polytope and names are of the joints that follow none; names are by their number
+    among all joints, as limits are.
 
     Raises:
         InputError: none stays within them; which limit, and by how much. Or their

@@ -243,10 +243,8 @@ def _by_area(
 ) -> Float[np.ndarray, "n 3"]:
     """The gradient of sums of `(x_i + x_i+1) / 2 x (x_i+1 - x_i + step)` about z.
 
-    Args:
-        x: from the CM to a pad, node by node.
-        step: of the CM, from node to node.
-        by_sums: the gradient with respect to the sums from the first node on.
+    Both `x`, from the CM to a pad, and `step`, of the CM, go from node to node; the
+    sums are from the first node on.
     """
     after = np.cumsum(by_sums[:0:-1])[::-1, None]
     by_x = np.zeros_like(x)

@@ -19,10 +19,7 @@ from orbident.excitation.criterion import (
     spectrum_of,
 )
 from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
-from orbident.excitation.guarantee import (
-    Flown,
-    proven,
-)
+from orbident.excitation.guarantee import Flown, proven
 from orbident.excitation.information import (
     Information,
     Sensing,
@@ -80,12 +77,9 @@ def scores_of(
     each one's own.
 
     d, a and e are of the free-flying base parameters, in units in which random motion
-    shows all alike; so they depend on no choice of basis.
-
-    Args:
-        robot: with its nominal inertia.
-        flown: of each recording, with the motion at times that are evenly spaced.
-        basis: of the condition numbers; the automatic one by default.
+    shows all alike; so they depend on no choice of basis. Inertia is nominal, and
+    motions are at times that are evenly spaced. The basis, of the condition numbers, is
+    the automatic one by default.
     """
     sets = minimal_sets(robot)
     seen = [_seen(robot, sets, *each) for each in flown]
@@ -170,11 +164,8 @@ def information_of(
 ) -> Float[np.ndarray, "common common"]:
     """What recordings tell of parameters and errors of instruments.
 
-    They are in the units of `sensing_of` and at their deviations.
-
-    Args:
-        robot: with its nominal inertia.
-        flown: as of `scores_of`.
+    They are in the units of `sensing_of` and at their deviations. The motions are as of
+    `scores_of`.
 
     Raises:
         InputError: the robot file has no sensor of the base's motion.
@@ -228,11 +219,8 @@ def compare_trajectories(
 ) -> Scorecard:
     """Score experiments, with the nominal inertia and the robot file's sensors.
 
-    Args:
-        robot: with its nominal inertia.
-        experiments: the trajectories of each one's recordings, with initial states.
-        basis: of the condition numbers; the automatic one by default.
-        limits: that the motions are to keep; none by default.
+    Each experiment is the trajectories of its recordings. The basis, of the condition
+    numbers, is the automatic one by default.
 
     Raises:
         InputError: a trajectory is not for this robot, or the base turns too fast.

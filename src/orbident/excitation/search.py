@@ -1,12 +1,11 @@
 """One search: motions are drawn inside their limits, and the best one is kept.
 
 Motions of joints have many starts, from random ones to the best local optima. All are
-descended on a smooth criterion. Half of them are good motions that are known already,
-with one joint's motion made anew: what is good in one joint is often good beside
-another motion of the next. Only the best are then descended on a sharp criterion, and
-of these the best under more limits.
-
-One descent: sequential quadratic programming (SLSQP of SciPy), exact gradients.
+descended on a smooth criterion, by sequential quadratic programming with exact
+gradients. Half of them are good motions that are known already, with one joint's motion
+made anew: what is good in one joint is often good beside another motion of the next.
+Only the best are then descended on a sharp criterion, and of these the best under more
+limits.
 """
 
 import time

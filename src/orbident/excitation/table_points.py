@@ -66,11 +66,8 @@ def use_of_table(
 ) -> tuple[float, Float[np.ndarray, "*n 2"]]:
     """The square of the share of a table that is used, and its gradient.
 
-    Args:
-        size: one of `TABLE_SIZES`.
-        limit: of this size, m.
-        points: all that have to stay on the table, m.
-        p: power of the mean that stands for the largest.
+    The size is one of `TABLE_SIZES`; its limit and the points are in m. A mean of power
+    `p` stands for the largest.
     """
     x = points / limit
     if size == TABLE_SIZES[-1]:
@@ -138,11 +135,7 @@ def add_point(
 ) -> None:
     """Adds the gradient, from that with respect to where a point is from the CM.
 
-    Args:
-        f: gradient of a scalar with respect to a motion.
-        at: of the same motion.
-        point: of the robot.
-        by: the gradient, inertial axes.
+    The gradient `by` is in inertial axes.
     """
     motion, (body, p) = f.motion, point
     arm = at.arm(body, p)

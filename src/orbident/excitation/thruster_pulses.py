@@ -89,9 +89,7 @@ class PulseSequence(NamedTuple):
 def brakes_of(robot: Robot, limits: Limits) -> Brakes:
     """The least that the best thruster does along or about any axis that shows.
 
-    Args:
-        robot: with the thrust of its thrusters, and its nominal inertia.
-        limits: where there is none of place or turn, nothing needs brakes.
+    Where there is no limit of place or turn, nothing needs brakes.
 
     Raises:
         InputError: no thruster pushes or turns some way in which a limit needs it.
@@ -169,15 +167,8 @@ def design_pulses(
 ) -> Trajectory:
     """The best of random sequences of pulses that keep to the limits.
 
-    An interrupt ends it and keeps the best so far.
-
-    Args:
-        robot: without joints, with the thrust of its thrusters and the noise of its
-            sensors; its inertia is nominal.
-        given: duration, initial state, and limits.
-        effort: how many to compare, or for how long.
-        seed: of the draws.
-        progress: is called after each sequence.
+    The robot has no joints and a nominal inertia. An interrupt ends the search and
+    keeps the best so far; progress is told after each sequence.
 
     Raises:
         InputError: no thruster has a thrust, no sensor a noise, or no sequence keeps to

@@ -53,11 +53,7 @@ class JointMomenta(NamedTuple):
     ) -> None:
         """Adds the gradient, from that with respect to the values.
 
-        Args:
-            f: of a motion.
-            nodes: at which the states are.
-            by: the gradient.
-            scale: of the motion's joints in the states.
+        The states are at these nodes of the motion; `scale` is of its joints in them.
         """
         by_w, by_qd, by_q = (
             np.einsum("nr,nrx->nx", by, x) for x in (self.by_w, self.by_qd, self.by_q)
@@ -89,11 +85,8 @@ class TorqueChanges:
     ) -> None:
         """Work out the momenta of some joints along a motion at nodes.
 
-        Args:
-            joints: those whose torque counts.
-            beta_of: `d beta` of a change of the unknowns.
-            motion: of the robot.
-            instruments: with errors, whose columns follow those of the unknowns.
+        The joints are those whose torque counts, `beta_of` is `d beta` of a change of
+        the unknowns, and the errors' columns follow those of the unknowns.
         """
         robot, sets = motion.craft.robot, motion.craft.sets
         self._robot, self._joints, self._beta_of = robot, joints, beta_of
@@ -124,9 +117,8 @@ class TorqueChanges:
     ) -> Float[np.ndarray, "steps driven columns"]:
         """Changes of mean torques by one of each column.
 
-        Args:
-            by_h: of the base rate, as momentum conservation has it, in those axes in
-                which it is conserved.
+        Those of the base rate, `by_h`, are as momentum conservation has it, in the axes
+        in which it is conserved.
         """
         u, at = self._beta_of.shape[1], self._at
         changes = at.by_w[:, :, self._axes] @ by_h[self._nodes]
@@ -144,11 +136,7 @@ class TorqueChanges:
         by_rows: Float[np.ndarray, "steps driven columns"],
         by_h: Float[np.ndarray, "n h columns"],
     ) -> Float[np.ndarray, "n h columns"]:
-        """Adds the gradient, from that with respect to `rows`.
-
-        Returns:
-            The gradient with respect to `by_h`.
-        """
+        """Adds the gradient from that of `rows`, and gives that of the momenta."""
         u = self._beta_of.shape[1]
         by_shapes = np.zeros((len(OF_A_SENSOR), *by_rows.shape[:2]))
         for column, std, what, k in self._own:

@@ -35,14 +35,9 @@ def confined(
 ) -> Any:
     """Call a function in a process of its own, which imports what it needs itself.
 
-    Args:
-        function: of a module, by whose name the child finds it.
-        arguments: what JSON holds: texts, numbers, lists and mappings of them.
-        seconds: of the processor that it may use.
-        megabytes: that it may take beside what Python needs; only Linux sees to it.
-
-    Returns:
-        What the function returned, as JSON holds it.
+    It is found by the name of its module; arguments, and what it returns, are what JSON
+    holds. It may use so many seconds of the processor and, on Linux, megabytes beside
+    what Python needs.
 
     Raises:
         InputError: the function raised it.

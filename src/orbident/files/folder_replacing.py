@@ -35,11 +35,9 @@ _READY = "ready"
 def replacing_files(folder: Path, ours: Sequence[str]) -> Iterator[Path]:
     """A folder for new files, which take the place of `ours` if the block succeeds.
 
-    Args:
-        folder: made if it is missing; made is gone again if the block fails.
-        ours: paths in it that the block may write, in the order in which they are put
-            in place; what it does not write of them is removed. All else in the folder
-            stays untouched.
+    The folder is made if it is missing, and gone again if the block fails. The paths
+    `ours` are put in place in their order, and removed where the block does not write
+    them; all else in the folder stays untouched.
 
     Raises:
         InputError: the system refuses to write there, or another process is doing so.
@@ -61,10 +59,6 @@ def replacing_files(folder: Path, ours: Sequence[str]) -> Iterator[Path]:
 
 def finish(folder: Path, ours: Sequence[str]) -> None:
     """Put in place what a process committed there before it was ended, if one did.
-
-    Args:
-        folder: any.
-        ours: paths in it that may be replaced or removed.
 
     Raises:
         InputError: the system does not allow it.

@@ -71,10 +71,7 @@ def closest(name: str, known: Iterable[str]) -> str | None:
 def suggestion(name: str, known: Iterable[str], what: str) -> str:
     """`did you mean 'x'? known joints: 'x', 'y'`, for the end of a message.
 
-    Args:
-        name: what was found.
-        known: what there is.
-        what: a plural: "joints", "keys".
+    `what` is a plural.
     """
     known = tuple(known)
     close = closest(name, known)

@@ -24,11 +24,8 @@ def locked(folder: Path, wait: bool = False) -> Iterator[None]:
     """No other process of ours writes in the folder during the block.
 
     The lock is on the folder itself (`flock`), so it leaves no file behind. Where the
-    system has no such locks (Windows, some network file systems) there is none.
-
-    Args:
-        folder: that exists.
-        wait: until whoever has the lock is done; else that is refused.
+    system has no such locks (Windows, some network file systems) there is none. With
+    `wait` it waits until whoever has the lock is done.
 
     Raises:
         InputError: another process has the lock.
@@ -98,9 +95,8 @@ class _WriteError(InputError):
 def writing(path: Path) -> Iterator[None]:
     """Make one line of what the system says while the block writes.
 
-    Args:
-        path: what the user named; the block leaves it as it was where it fails. Around
-            another such block it is the one that is named.
+    What the user named is as it was where the block fails. Around another such block it
+    is the one that is named.
 
     Raises:
         InputError: the block raised an `OSError`.
@@ -131,8 +127,7 @@ _UNDO: list[Callable[[], None]] = []
 def undone(undo: Callable[[], None]) -> Iterator[None]:
     """Call `undo` if the block fails, or if another thread ends the process during it.
 
-    Args:
-        undo: may be called twice, and by that thread.
+    It may be called twice, and by that thread.
     """
     _UNDO.append(undo)
     try:

@@ -1,9 +1,4 @@
-"""How our YAML files are read, and what their schemas are made of.
-
-The top level of a file has keys, and none twice. Schemas are of sections with fixed
-keys and of numbers; what pydantic says of a document that does not fit is made one
-clear line.
-"""
+"""How our YAML files are read, and what their schemas are made of."""
 
 import math
 import re
@@ -44,10 +39,7 @@ _REMEDIES = {
 def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model:
     """The document as an instance of a schema.
 
-    Args:
-        model: the schema, a class with typed fields.
-        document: keys and values, as read.
-        place: the file's name, for messages.
+    The schema is a class with typed fields; messages begin with the place.
 
     Raises:
         InputError: the first thing that is wrong, and how many more there are.
@@ -234,10 +226,7 @@ _PLAIN = {
 def read_yaml_mapping(text: str, place: str, schema: str) -> dict[Any, Any]:
     """A YAML document whose top level has keys.
 
-    Args:
-        text: the document.
-        place: the file's name, for messages.
-        schema: what the key "schema" has in such a file, for messages.
+    Messages name the place, and the schema of such a file.
 
     Raises:
         InputError: the text is no YAML, has a key twice, or is no mapping.

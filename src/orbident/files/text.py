@@ -75,11 +75,7 @@ def sha256(path: Path) -> str:
 
 
 def refuse_pipe(path: Path, what: str) -> None:
-    """Refuse a pipe or a device, and nothing else.
-
-    Args:
-        path: any.
-        what: is to be read: "the recording".
+    """Refuse a pipe or a device, and nothing else, where "the recording" is wanted.
 
     Raises:
         InputError: it is one.

@@ -1,7 +1,4 @@
-"""What was captured, or let go: two results of one robot, before and after.
-
-Where a comparison has no number, or a doubtful one, words say why and what to do.
-"""
+"""What was captured, or let go: two results of one robot, before and after."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

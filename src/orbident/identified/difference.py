@@ -12,8 +12,6 @@ whatever `theta` has this `beta`. A body `theta_t` that joins body `i` adds
 
     d = J_after beta_after - J_before beta_before = T_c[:, i] theta_t + e,
     cov e = J_after C_after J_after^T + J_before C_before J_before^T.
-
-Whether two results are of one robot: what momentum depends on, inertia apart.
 """
 
 from collections.abc import Mapping

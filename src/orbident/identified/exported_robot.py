@@ -101,13 +101,9 @@ def wheel_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
 def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
     """The robot's URDF with the inertias of `theta`.
 
-    Links that are fixed to a body lose theirs, become massless. The
-    wheels that are links of their own keep theirs, which `theta` has in it.
-
-    Args:
-        robot: loaded from a URDF.
-        theta: of bodies that can exist, without their wheels too; the rotors of geared
-            motors are not in it.
+    Links that are fixed to a body lose theirs, become massless. The wheels that are
+    links of their own keep theirs, which `theta` has in it. `theta` is of bodies that
+    can exist, without their wheels too; the rotors of geared motors are not in it.
 
     Raises:
         InputError: the robot was not loaded from a URDF, or what was written does not
@@ -316,10 +312,8 @@ class ExportedRobot(NamedTuple):
 def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobot:
     """Bodies that have the identified parameters, nearest to the nominal ones.
 
-    Args:
-        result: complete and not rejected.
-        without_rotors: whether bodies are to exist without the declared rotors of
-            motors, or with them as momentum sees them.
+    The result is complete and not rejected. Bodies are to exist without the declared
+    rotors of motors, or with them as momentum sees them.
 
     Raises:
         NoBodiesError: no bodies that can exist have the identified parameters within
@@ -359,9 +353,7 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
 def mechanism_of(robot: Robot, wheels: tuple[WheelBody, ...]) -> Mechanism:
     """The robot with its wheels apart.
 
-    Args:
-        robot: whose base can exist without its wheels, with its motors' rotors apart.
-        wheels: its wheels, in their order.
+    Its base can exist without its wheels, which are in their order; rotors are apart.
     """
     p = robot.feature_point
     bodies, names = list(robot.bodies), list(robot.joint_names)

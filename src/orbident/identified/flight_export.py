@@ -1,10 +1,7 @@
 """The recursive filter of one robot as a folder of C and C++, with golden vectors.
 
 The folder holds the code that Python runs, and the robot as a constant table in C,
-`robot.h`. A flight computer gets the samples as the filter takes them: `given_of` makes
-them of a recording, on the ground.
-
-Which samples of a recording a flight build replays: those of the recursion.
+`robot.h`. A flight computer gets the samples as the filter takes them.
 """
 
 import re
@@ -64,12 +61,7 @@ def robot_header(
 ) -> str:
     """The text of `robot.h`; every number is written to its last bit.
 
-    Args:
-        robot: whose filter it is.
-        kalman: the filter, with its noise.
-        prior: what is believed of `beta` beforehand.
-        change: `L` of the covariance `L L^T` that a change of the robot adds.
-        detector: of changes.
+    A change of the robot adds the covariance `L L^T`, of which `change` is `L`.
     """
     tables = _core.flight_tables(kalman.core)
     memory, state = _core.flight_memory(kalman.core, detector.window)
@@ -243,12 +235,10 @@ def export_flight(
 ) -> Flight:
     """Write the filter of a robot and its sensors, and what it makes of a recording.
 
-    Args:
-        robot: the filter starts from its nominal inertia, with 30 % uncertainty.
-        samples: of a recording; they say how noisy the sensors are, and are replayed.
-        h_cm: the momentum where it is known, inertial axes, N m s.
-        folder: that does not exist, or is empty.
-        force: also one that this function has written; what else is in it stays.
+    The filter starts from nominal inertia, with 30 % uncertainty; the samples say how
+    noisy the sensors are, and are replayed. `h_cm` is the momentum where it is known,
+    inertial axes, N m s. With `force` the folder may be one that this function wrote;
+    what else is in it stays.
 
     Raises:
         InputError: no sample is complete, or the folder holds something or cannot be
@@ -353,15 +343,10 @@ def _rows(table: np.ndarray) -> str:
 def samples_for_flight(
     source: Result | Robot, recording: Recording
 ) -> tuple[Robot, Samples, Float[np.ndarray, "3"] | None]:
-    """Screen a recording and derive what it lacks, as `identify` does.
+    """The robot, its samples as `identify` has them, and known momentum (N m s).
 
-    Args:
-        source: a result, whose robot, clocks and knowledge of the momentum count; or a
-            robot, of whose momentum nothing is known.
-        recording: of the free-floating robot.
-
-    Returns:
-        The robot, its samples, and the momentum where it is known (N m s).
+    Of a result its robot, its clocks and its knowledge of the momentum count; of a
+    robot's momentum nothing is known.
 
     Raises:
         InputError: a column is missing, or there are too few samples.

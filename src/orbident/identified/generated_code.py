@@ -41,9 +41,6 @@ WIDTH = 96
 def equations_as_c(model: Dynamics) -> str:
     """Two functions in C99, `H_plus(q, H)` and `c_plus(q, v, c)`.
 
-    Args:
-        model: of a robot whose joints are all driven.
-
     Raises:
         InputError: a joint is passive.
     """
@@ -74,9 +71,7 @@ def equations_as_c(model: Dynamics) -> str:
 def equations_as_matlab(model: Dynamics, name: str) -> str:
     """The function `[H, c] = name(q, v)` for MATLAB, without a toolbox.
 
-    Args:
-        model: of a robot whose joints are all driven.
-        name: of the function, which MATLAB takes from the name of its file.
+    The name is that of its file, from which MATLAB takes it.
 
     Raises:
         InputError: a joint is passive, or MATLAB has no such names.

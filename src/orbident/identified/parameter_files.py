@@ -103,9 +103,7 @@ SCHEMA = "orbident/matrices/1"
 def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
     """`H+`, its standard deviations, and the Jacobian of each body's origin.
 
-    Args:
-        result: complete and not rejected.
-        q: joint positions, rad or m.
+    Joint positions `q` are in rad or m.
 
     Raises:
         InputError: the result is rejected or not complete, or `q` is not a finite
@@ -129,16 +127,12 @@ def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
             *robot.wheel_names,
         ],
         "lacks": lacking_rotors(robot),
-        "H_plus": _rows(model.H_plus(at)),
-        "H_plus_std": _rows(model.H_plus_std(at)),
+        "H_plus": nulled(model.H_plus(at)),
+        "H_plus_std": nulled(model.H_plus_std(at)),
         "jacobians": {
-            body: _rows(model.jacobian(at, body, np.zeros(3))) for body in robot.bodies
+            body: nulled(model.jacobian(at, body, np.zeros(3))) for body in robot.bodies
         },
     }
-
-
-def _rows(matrix: np.ndarray) -> list[Any]:
-    return [nulled(row) for row in matrix]
 
 
 LONGEST = 63

@@ -6,8 +6,6 @@ those with the identified `beta` the nearest to the nominal bodies is taken, by 
 divergence of their log-determinants, `tr(P0^-1 P) - log det(P0^-1 P)` (Lee, Wensing and
 Park 2020): convex, and the same in all frames and units. So where only combinations of
 bodies show, mass is shared between them as in the nominal ones.
-
-The nearest positive definite matrices under linear equations; cvxpy's one user.
 """
 
 import warnings
@@ -23,12 +21,7 @@ from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.model.core_robot import theta_with_rotors
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.reconstruction import (
-    Dynamics,
-    check_known,
-    reconstructed,
-    root_of,
-)
+from orbident.model.reconstruction import Dynamics, check_known, reconstructed, root_of
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -52,12 +45,8 @@ def nearest_to_one(
 ) -> Float[np.ndarray, "n 4 4"] | None:
     """Symmetric `X_i > 0` with `A vec(X) = b`, least `sum tr X_i - log det X_i`.
 
-    Args:
-        A: over all entries of all matrices, row after row.
-        b: right-hand side.
-
-    Returns:
-        The matrices; None where there are none.
+    The equations are over all entries of all matrices, row after row. None where there
+    are no such matrices.
 
     Raises:
         MissingLibraryError: cvxpy is not installed.
@@ -75,14 +64,8 @@ def nearest_within(
 ) -> tuple[Float[np.ndarray, "n 4 4"], float] | None:
     """The same with `A vec(X) = b + root z`, where `|z|` is hardly more than it must.
 
-    Args:
-        A: over all entries of all matrices, row after row.
-        b: right-hand side.
-        root: a square root of the covariance of `b`.
-        most: so long `z` may be.
-
-    Returns:
-        The matrices and `|z|`; None where there are none with so short a `z`.
+    The covariance of `b` is `root root^T`, and `z` is at most so long as `most`. With
+    the matrices comes `|z|`; None where there are none with so short a `z`.
 
     Raises:
         MissingLibraryError: cvxpy is not installed.
@@ -159,15 +142,10 @@ def physical_bodies(
 ) -> PhysicalBodies | None:
     """The bodies nearest to the nominal ones that have the identified parameters.
 
-    Args:
-        result: complete and not rejected.
-        apart: the part of each body that is known and stays as it is, wheels and the
-            like; the rest is to exist without it.
-        covariance: of the base parameters and of what is known.
-
-    Returns:
-        The bodies, with what is apart; None where there are none within the 95 % region
-        of the identified `beta`.
+    The part of each body that is `apart`, wheels and the like, is known and stays as it
+    is; the rest is to exist without it. The covariance is of the base parameters and of
+    what is known. The bodies are given with what is apart; None where there are none
+    within the 95 % region of the identified `beta`.
 
     Raises:
         InputError: the result is rejected or not complete, or cvxpy is not installed.

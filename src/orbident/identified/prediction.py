@@ -230,12 +230,7 @@ class _Changes(NamedTuple):
 def prediction_deviations(
     result: Result, prediction: Prediction
 ) -> PredictionDeviations:
-    """The standard deviations of what was predicted; NaN without a covariance.
-
-    Args:
-        result: that predicted.
-        prediction: its own, of any recording.
-    """
+    """The standard deviations of what was predicted; NaN without a covariance."""
     robot, sets = result.robot, minimal_sets(result.robot)
     root = root_of(result.base_covariance)
     dpi, dphi = sets.derivatives(result.base.values)
@@ -320,9 +315,7 @@ class PoseErrors(NamedTuple):
 def pose_errors(result: Result, recording: Recording) -> PoseErrors:
     """How well a result predicts the pose over windows of five seconds.
 
-    Args:
-        result: with all of its base parameters.
-        recording: of the same robot.
+    The result has all of its base parameters.
     """
     robot, sets = result.robot, minimal_sets(result.robot)
     errors = {name: each.value for name, each in result.calibration.items()}

@@ -128,10 +128,7 @@ def with_checksums(
 ) -> dict[str, Any]:
     """The content of `result.json`, with the checksums that its reader checks.
 
-    Args:
-        document: the result.
-        folder: of the files.
-        names: of those that may be there.
+    The names are those of files that may be there.
 
     Raises:
         InputError: a file cannot be read.
@@ -167,10 +164,7 @@ def check_document(document: Mapping[str, Any], path: Path) -> None:
 def check_files(files: Mapping[str, str], folder: Path, names: Iterable[str]) -> None:
     """Refuse files that are not as they were written.
 
-    Args:
-        files: their checksums, by name.
-        folder: where they are.
-        names: of those that are looked at.
+    The files' checksums are by name; only those of `names` are looked at.
 
     Raises:
         InputError: a file is missing, cut off or altered, or belongs to no result.
@@ -372,11 +366,6 @@ def _read(text: str, folder: Path) -> Result:
 
 def result_from(document: dict[str, Any], robot: Robot, path: Path) -> Result:
     """The result that a document holds.
-
-    Args:
-        document: the content of `result.json`.
-        robot: whose result it is.
-        path: of the file, for messages.
 
     Raises:
         InputError: the first thing that is wrong, and how many more there are.

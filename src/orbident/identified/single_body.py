@@ -50,9 +50,7 @@ def total(difference: Difference) -> ChiSquare:
 def explanations(difference: Difference, robot: Robot) -> tuple[Explanation, ...]:
     """Every body in turn, the most probable first; of equals the ends of the arms.
 
-    Args:
-        difference: of two results.
-        robot: that holds what was captured, with its structure.
+    The robot is the one that holds what was captured.
     """
     fits = [_fit(difference, robot, i) for i in range(len(robot.bodies))]
     # -2 log likelihood, and 2 for every parameter (Akaike 1974).
@@ -150,7 +148,7 @@ class AddedBody(NamedTuple):
             "theta": {
                 "names": list(SYMBOLS),
                 "values": nulled(self.theta),
-                "covariance": [nulled(row) for row in self.covariance],
+                "covariance": nulled(self.covariance),
             },
         }
 
@@ -165,35 +163,20 @@ def added_body(
 ) -> AddedBody:
     """The body with these parameters.
 
-    Args:
-        theta: about the origin of the body's frame, its axes; NaN where not determined.
-        covariance: of `theta`.
+    They are about the origin of the body's frame, its axes; NaN where not determined.
     """
     std = np.sqrt(np.diag(covariance))
     values, C = _about_com(theta, covariance)
-    stds = np.sqrt(np.diag(C))
+    stds, names = np.sqrt(np.diag(C)), SYMBOLS[INERTIA]
     return AddedBody(
         theta=theta,
         covariance=covariance,
         mass=Quantity(float(theta[MASS]), float(std[MASS])),
         com=Parameters(
-            names=("cx", "cy", "cz"),
-            formulas=("mx/m", "my/m", "mz/m"),
-            values=values[:3],
-            std=stds[:3],
+            ("cx", "cy", "cz"), ("mx/m", "my/m", "mz/m"), values[:3], stds[:3]
         ),
-        I_com=Parameters(
-            names=SYMBOLS[INERTIA],
-            formulas=I_COM,
-            values=values[3:],
-            std=stds[3:],
-        ),
-        I_origin=Parameters(
-            names=SYMBOLS[INERTIA],
-            formulas=SYMBOLS[INERTIA],
-            values=theta[INERTIA],
-            std=std[INERTIA],
-        ),
+        I_com=Parameters(names, I_COM, values[3:], stds[3:]),
+        I_origin=Parameters(names, names, theta[INERTIA], std[INERTIA]),
         impossible=impossible(np.sign(theta[MASS]) * values[3:], C[3:, 3:]),
     )
 
@@ -238,11 +221,8 @@ def impossible(
 
     Second moments are not negative in any direction `v`: `tr I / 2 - v^T I v >= 0`,
     which is least along the axis of the largest moment. Where not all of `I` is
-    determined, what is determined of its diagonal must not be negative.
-
-    Args:
-        I_com: kg m^2; NaN where not determined.
-        C: its covariance.
+    determined, what is determined of its diagonal must not be negative. The inertia is
+    in kg m^2, NaN where not determined, and `C` is its covariance.
     """
     if np.isfinite(I_com).all():
         return _flat(I_com, C)

@@ -293,11 +293,7 @@ def _of_torques(
 ) -> dict[str, NullableNumber]:
     """The errors of torques by inverse dynamics along the measured motion.
 
-    Args:
-        model: whose torques they are, with the friction that is known.
-        errors: of instruments, by name: what torque sensors scale by is among them.
-        prediction: with what was measured.
-        recording: with the torques.
+    Errors of instruments are by name: what torque sensors scale by is among them.
     """
     robot, t, seen = model.robot, prediction.t, prediction.measured
     measured = seen.q, seen.qd, seen.w, seen.qd_rw

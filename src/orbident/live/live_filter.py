@@ -63,10 +63,8 @@ class Tools(NamedTuple):
 def tools_of(robot: Robot, dt: float, velocity_std: float | None) -> Tools:
     """A filter that starts from the CAD values, 30 % uncertain.
 
-    Args:
-        robot: with the noise of its gyro.
-        dt: from sample to sample as they are sent, s.
-        velocity_std: of a velocity sample, m/s; None where none is measured.
+    `dt` is from sample to sample as they are sent, s, and `velocity_std` that of a
+    velocity sample, m/s; None where none is measured.
 
     Raises:
         InputError: the gyro's noise is not declared.
@@ -226,11 +224,8 @@ class LiveFilter:
     ) -> None:
         """Go on from what is carried.
 
-        Args:
-            robot: whose samples come.
-            velocity_std: of a velocity sample, m/s; None where none counts.
-            every: time of the samples between two estimates that are told, s.
-            carried: from before.
+        An estimate is told `every` s of the samples. The deviation of a velocity
+        sample, m/s, is None where none counts.
         """
         self.carried = carried
         self._robot, self._velocity_std, self._every = robot, velocity_std, every
@@ -303,11 +298,9 @@ class LiveFilter:
         return LiveEvent("estimate", at.now, values)
 
     def _pass(self, rows: Sequence[Row], last: bool = False) -> None:
-        """Let those that wait pass as far as they are ready.
+        """Let those that wait, and these rows, pass as far as they are ready.
 
-        Args:
-            rows: more of them, of the clock that is believed.
-            last: whether none that could tell more follows them.
+        They are the last if none that could tell more follows them.
         """
         at, first = self.carried, len(self.carried.past)
         if at.running is None:
@@ -346,13 +339,7 @@ class LiveFilter:
     def _run(
         self, running: Running, samples: Float[np.ndarray, "n all"], last: bool
     ) -> int:
-        """Take samples in whose times follow each other; returns how many.
-
-        Args:
-            running: the filter before.
-            samples: in the order in which they came.
-            last: whether none that could tell more follows them.
-        """
+        """Take samples in, in the order in which they came; returns how many."""
         at, done = self.carried, 0
         while done < len(samples):
             rest = samples[done:]

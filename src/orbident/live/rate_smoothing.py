@@ -48,11 +48,8 @@ def smoothed_at(
 ) -> Float[np.ndarray, "some 3"]:
     """The rate at some of these samples; NaN where too few are near.
 
-    Args:
-        t: in their order, s.
-        w: the gyro's, rad/s.
-        first: of the samples,
-        last: and the one behind them, which are all ready.
+    Samples of the gyro, `w`, rad/s, are in the order of their times, s. Those from
+    `first` on, up to the one before `last`, are all ready.
     """
     usable = _usable(w)
     begins, ends = (

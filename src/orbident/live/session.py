@@ -109,10 +109,7 @@ def nothing_carried(robot: Robot) -> Carried:
 def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
     """Read it back, or nothing where there is no such file.
 
-    Args:
-        path: of the file.
-        robot: whose it is.
-        velocity_std: of a velocity sample, m/s.
+    The deviation of a velocity sample is in m/s.
 
     Raises:
         InputError: it is no such file, is damaged, or is of another robot or noise.
@@ -233,12 +230,8 @@ class Session:
     ) -> None:
         """Go on from the state file, where there is one.
 
-        Args:
-            robot: whose samples come.
-            source: where they come from, for messages.
-            every: time of the samples between two estimates, s.
-            velocity_std: of a velocity sample, m/s; None where none counts.
-            state: file to begin from and to write to.
+        Estimates are `every` s of the samples; the deviation of a velocity sample, m/s,
+        is None where none counts.
 
         Raises:
             InputError: the state is damaged or of another robot, or the noise of the
@@ -296,10 +289,7 @@ class Session:
     def end(self, sinks: Iterable[Sink], lost: int = 0, waiting: int = 0) -> None:
         """Tell what is known at last, and keep the state.
 
-        Args:
-            sinks: that are told.
-            lost: datagrams that were left out.
-            waiting: lines that have come and were not taken.
+        Datagrams that were left out are told, and lines that have come and wait.
 
         Raises:
             InputError: what came gave no estimate, or the state cannot be written.

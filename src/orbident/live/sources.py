@@ -65,12 +65,7 @@ class Lines:
     """Reads lines as they come; the header is what it remembers."""
 
     def __init__(self, robot: Robot, source: str) -> None:
-        """Nothing has come yet.
-
-        Args:
-            robot: whose columns count.
-            source: where the lines come from, for messages.
-        """
+        """Nothing has come yet."""
         self._source = source
         self._needed = needed_columns(robot)
         # The gyro once more: nothing here smooths it without looking ahead.
@@ -170,9 +165,7 @@ number of those that the system had no room for, in four bytes."""
 def lines_of_input(given: TextIO | None) -> Iterator[list[bytes]]:
     """Whole lines as they come; of what comes faster than it is taken, many at once.
 
-    Args:
-        given: an open file or pipe; None where standard input was closed before the
-            command started.
+    Standard input that was closed before the command started is None.
     """
     if given is None:
         return

@@ -86,11 +86,9 @@ class StreamClock:
         return AVERAGED if _slot(since) == _slot(self.newest) else NEXT
 
     def add(self, row: Row, together: int = 1) -> None:
-        """Go on to a sample, whose time then counts from the first one.
+        """Go on to a row, changed so that its time counts from the first one.
 
-        Args:
-            row: it is changed.
-            together: of how many it is the average.
+        It may be the average of several samples, which are together.
         """
         row[0] = self.newest = self.since(float(row[0]))
         self.together = together
@@ -140,9 +138,8 @@ class StreamClocks:
     def hear(self, row: Row, counts: Counter[str]) -> Heard:
         """Take the next sample in.
 
-        Args:
-            row: the sample, with a time as it was sent; it is changed.
-            counts: what became of samples that are not taken in; it is changed.
+        The row, whose time is as it was sent, is changed, and so is `counts`: what
+        became of samples that are not taken in.
         """
         t, orders = float(row[0]), {}
         for clock in (*filter(None, [self.believed]), *self.others):
@@ -163,13 +160,7 @@ class StreamClocks:
         return Heard()
 
     def averaged(self, last: Row, row: Row, together: int) -> Row:
-        """The mean of samples of which `last` is that of all but one.
-
-        Args:
-            last: the mean of those before.
-            row: one more.
-            together: how many they are with it.
-        """
+        """The mean of so many samples, of which `last` is that of all but the row."""
         other = row.copy()
         if last[self.attitude] @ row[self.attitude] < 0:
             other[self.attitude] *= -1

@@ -22,12 +22,7 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.files.names import listed
-from orbident.robot.description import (
-    NO_FRICTION,
-    NO_ROTOR,
-    GearedRotor,
-    Robot,
-)
+from orbident.robot.description import NO_FRICTION, NO_ROTOR, GearedRotor, Robot
 from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
 
 
@@ -163,9 +158,7 @@ LEAST = 1e-9
 def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Robot:
     """The robot whose rotors have these `N (N - 1) J`, if not less than nothing.
 
-    Args:
-        robot: with the gears that are declared.
-        found: by joint, with standard deviations above zero, kg m^2 or kg.
+    Each was found with its standard deviation, which is above zero, kg m^2 or kg.
     """
     rotors = dict(robot.rotors)
     for name, (armature, std) in found.items():
@@ -198,12 +191,7 @@ def geared_joints(robot: Robot) -> list[str]:
 
 
 def lacking_rotors(robot: Robot, without: str = "") -> str:
-    """What is said of a model that lacks rotors; nothing where it has all.
-
-    Args:
-        robot: whose model it is.
-        without: what is said if the robot has rotors that are declared.
-    """
+    """What is said of a model that lacks rotors, and of one `without` declared ones."""
     words, names = [], undeclared_rotors(robot)
     if names:
         words.append(

@@ -160,11 +160,8 @@ def random_motion(
 ) -> RandomMotion:
     """Motion that has nothing special about it.
 
-    Args:
-        n: how many samples.
-        joints: how many joints.
-        planar: whether the base turns about z alone.
-        random: where numbers come from; always the same ones where it is None.
+    In the plane the base turns about z alone. Without a generator the numbers are
+    always the same ones.
     """
     random = random or np.random.default_rng(0)
     q, qd = random.standard_normal((2, n, joints))

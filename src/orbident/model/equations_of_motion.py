@@ -43,10 +43,7 @@ def equations_of_motion(
 ) -> Equations:
     """`H+`, `c+` and how S accelerates.
 
-    Args:
-        robot: its `theta` decides.
-        q: joint positions, rad or m.
-        v: generalised speeds, base axes.
+    Joint positions `q` are in rad or m, the speeds `v` in base axes.
     """
     state = np.ascontiguousarray(q), np.ascontiguousarray(v)
     return Equations(
@@ -72,12 +69,8 @@ def motion_with(
 ) -> Motion:
     """What `H+ v' + c+ = Q` gives where some of `v'` are known, and all other of `Q`.
 
-    Args:
-        robot: its `theta` decides.
-        q: joint positions, rad or m.
-        v: generalised speeds, base axes.
-        v_dot: known accelerations; zero of free speeds.
-        free: speeds on which no force acts.
+    Joint positions `q` are in rad or m, the speeds `v` in base axes. No force acts on
+    free speeds, whose known `v_dot` is zero.
     """
     core, n = core_robot(robot), processors()
     known, Q = v_dot, np.zeros_like(v)
@@ -94,12 +87,8 @@ def deviations(
 ) -> tuple[Float[np.ndarray, "n speeds speeds"], Float[np.ndarray, "n speeds"]]:
     """Standard deviations of `H+` and `c+`, of first order.
 
-    Args:
-        robot: its `theta` is the mean.
-        directions: `theta` is the mean and a sum of these, each times an independent
-            number of unit variance.
-        q: joint positions, rad or m.
-        v: generalised speeds, base axes.
+    The true `theta` is the robot's and a sum of `directions`, each times an independent
+    number of unit variance. Joint positions `q` are in rad or m, speeds in base axes.
     """
     arrays = (np.ascontiguousarray(x) for x in (directions, q, v))
     return _core.deviations(core_robot(robot), *arrays, threads=processors())
@@ -149,14 +138,8 @@ def jacobian(
 ) -> Float[np.ndarray, "6 speeds"]:
     """`J_0,p` and `J_i,p` (A.1, A.2): how a point of a body moves, over `v`.
 
-    Args:
-        robot: its `theta` decides where the CM is.
-        q: joint positions, rad or m.
-        body: index of the body.
-        p: the point in the body's frame, m.
-
-    Returns:
-        Rows: velocity of the point, then the body's rate; inertial motions, base axes.
+    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m. Rows:
+    velocity of the point, then the body's rate; inertial motions, base axes.
     """
     J = velocity_of_S(robot, q)
     # The rows relative to S contain the base rate already.
@@ -174,12 +157,8 @@ def generalised_forces(
 ) -> Float[np.ndarray, " speeds"]:
     """`Q = [0, 0, tau, tau_rw] + sum J^T F` (Eq. 15).
 
-    Args:
-        robot: with its nominal inertia.
-        q: joint positions, rad or m.
-        joint_torques: by joint name, N m or N; zero where absent.
-        wheel_torques: on the rotor, by wheel name, N m; zero where absent.
-        wrenches: what acts from outside.
+    Joint positions `q` are in rad or m. Torques are by name, N m or N, and zero where
+    absent; those of wheels are on the rotor.
 
     Raises:
         InputError: a joint, a wheel or a body is not the robot's.

@@ -1,7 +1,4 @@
-"""The minimal sets in readable form: combinations of standard parameters.
-
-What no free-floating recording of a robot can determine is said in words.
-"""
+"""The minimal sets in readable form: combinations of standard parameters."""
 
 import re
 from collections.abc import Sequence
@@ -12,11 +9,7 @@ from jaxtyping import Float
 from scipy.sparse import csr_array, hstack
 
 from orbident.files.names import listed
-from orbident.model.core_robot import (
-    geared_joints,
-    rotor_directions,
-    undeclared_rotors,
-)
+from orbident.model.core_robot import geared_joints, rotor_directions, undeclared_rotors
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS, PER_BODY, SYMBOLS
@@ -105,9 +98,7 @@ def named(name: str, formula: str) -> str:
 def physical_name(name: str, formula: str) -> str:
     """What a base parameter is: moments of one body, and of what moves with it.
 
-    Args:
-        name: its symbol, `M`, `sigma_1` or `iota_1`.
-        formula: of it, in standard parameters.
+    The formula of `M`, `sigma_1` or `iota_1` is in standard parameters.
 
     Returns:
         `"total mass"`, `"mx of link1"`, `"Ixx - Izz of link1 and beyond"`; the symbol
@@ -225,12 +216,7 @@ class Nominal(NamedTuple):
 
 
 def nominal_parameters(robot: Robot, sets: MinimalSets) -> Nominal:
-    """The minimal sets of a robot's nominal `theta`.
-
-    Args:
-        robot: with its nominal inertia.
-        sets: its minimal sets.
-    """
+    """The minimal sets of a robot's nominal `theta`."""
     theta, size = robot.theta, _size(robot.theta)
     T = np.abs(sets.base.T)
     M, sigma, _ = sets.split(T @ size.ravel())

@@ -66,14 +66,8 @@ def point_jacobian(
 ) -> Float[np.ndarray, "6 3+joints"]:
     """Velocity of a body-fixed point relative to S, over `[w, qd]`.
 
-    Args:
-        robot: its geometry.
-        q: joint positions, rad or m.
-        body: index of the body.
-        p: the point in the body's frame, m.
-
-    Returns:
-        Rows: linear velocity relative to S, then angular velocity, base axes.
+    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m. Rows:
+    linear velocity relative to S, then angular velocity, base axes.
     """
     at = poses(robot, q[None])
     r = at.arm(body, p)[0]
@@ -161,10 +155,6 @@ def carried_inertia(robot: Robot, joint: int) -> Float[np.ndarray, " theta"]:
 
     Its product with `theta` is in kg m^2, or in kg for a joint that slides. Joints
     beyond it are at zero.
-
-    Args:
-        robot: of which the geometry counts.
-        joint: its index.
     """
     at = poses(robot, np.zeros((1, len(robot.joints))))
     by = np.zeros((len(robot.bodies), PER_BODY))

@@ -32,10 +32,7 @@ from orbident.model.dependencies import (
     independent_columns,
     random_motion,
 )
-from orbident.model.kinematics import (
-    JointState,
-    momentum_regressors,
-)
+from orbident.model.kinematics import JointState, momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors
@@ -75,10 +72,7 @@ class Regressors(NamedTuple):
     ) -> tuple[Float[np.ndarray, "n h pi"], Float[np.ndarray, "n v phi"]]:
         """`Y` (Eq. 19) and `W` (Eq. 29) of many samples, base axes.
 
-        Args:
-            q: joint positions, rad or m.
-            qd: joint rates.
-            w: base angular velocities, rad/s, base axes.
+        Joint positions `q` are in rad or m, base rates `w` in rad/s, base axes.
         """
         state = (np.ascontiguousarray(x) for x in (q, qd, w))
         Y, W = _core.regressors(self.core, *state, threads=processors())
@@ -92,10 +86,8 @@ class Regressors(NamedTuple):
     ) -> Float[np.ndarray, "n h"]:
         """`d/dt (Y pi)` by the joints alone, the base rate held; base axes, N m.
 
-        Args:
-            joints: `q`, `qd` and `qdd`.
-            w: base angular velocities, rad/s, base axes.
-            pi: kg m^2.
+        The joints are `q`, `qd` and `qdd`; `w` is in rad/s, base axes, and `pi` in kg
+        m^2.
         """
         state = (np.ascontiguousarray(x) for x in (*joints, w, pi))
         rate = _core.momentum_rate(self.core, *state, threads=processors())

@@ -101,13 +101,10 @@ def spatial_columns(
     return PaperColumns(np.stack(Y, axis=1), np.stack(W, axis=1), np.zeros(3))
 
 
-def planar_columns(
-    r_joint1: tuple[float, float],
-) -> Columns:
+def planar_columns(r_joint1: tuple[float, float]) -> Columns:
     """The 8 + 4 columns of the planar arm (Eqs. A.4 and A.7), base axes.
 
-    Args:
-        r_joint1: from S to the first joint, base axes, m.
+    `r_joint1` is from S to the first joint, base axes, m.
     """
 
     def columns(
@@ -140,9 +137,7 @@ def planar_columns(
 def paper_basis(sets: MinimalSets, columns: Columns) -> PaperBasis:
     """The change from the automatic minimal sets to the paper's.
 
-    Args:
-        sets: of the paper's robot.
-        columns: `spatial_columns`, or what `planar_columns` gives.
+    The columns are `spatial_columns`, or what `planar_columns` gives.
 
     Raises:
         InputError: the robot is not the paper's: its regressors span another space.

@@ -342,10 +342,8 @@ def reconstructed(
 ) -> Dynamics:
     """The dynamics of a robot with these base parameters.
 
-    Args:
-        robot: geometry, wheels and structure; its nominal inertia is not used.
-        beta: `[M, sigma, iota]`.
-        covariance: of `beta`; NaN where it is not known.
+    Its nominal inertia is not used; `beta` is `[M, sigma, iota]`, and its covariance is
+    NaN where it is not known.
 
     Raises:
         InputError: `beta` has not the robot's size or is not all known.

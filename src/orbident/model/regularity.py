@@ -80,8 +80,7 @@ def _refuse_nominal(robot: Robot, who: str) -> NoReturn:
 def check_definite(robot: Robot) -> None:
     """Refuse a mass matrix `H+` that gives some motion no energy, or less.
 
-    Args:
-        robot: with the identified `theta`; `H+` is checked all over its joints' ranges.
+    With the identified `theta` it is checked all over its joints' ranges.
 
     Raises:
         IndefiniteError: somewhere it is not positive definite.

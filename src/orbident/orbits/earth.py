@@ -59,9 +59,7 @@ def earth_turned(
 ) -> Float[np.ndarray, " n"]:
     """The angle by which the Earth has turned from inertial x to Greenwich, rad.
 
-    Args:
-        epoch: the time at t = 0; UTC is taken for UT1, which it is within 0.9 s.
-        t: seconds after that.
+    The epoch is `t = 0` s; UTC is taken for UT1, which it is within 0.9 s.
     """
     d = _days(epoch, t)
     # Whole turns are left out before they cost digits.
@@ -69,12 +67,7 @@ def earth_turned(
 
 
 def to_the_sun(epoch: datetime, t: Float[np.ndarray, " n"]) -> Vectors:
-    """Unit vectors from the Earth to the sun; J2000 axes.
-
-    Args:
-        epoch: the time at t = 0.
-        t: seconds after that.
-    """
+    """Unit vectors from the Earth to the sun, `t` s after the epoch; J2000 axes."""
     T = _days(epoch, t) / 36525
     M = np.radians(357.5256 + 35999.049 * T)
     arcsec = np.radians(1 / 3600)
@@ -89,11 +82,8 @@ def to_the_sun(epoch: datetime, t: Float[np.ndarray, " n"]) -> Vectors:
 def sunlit(r: Vectors, sun: Vectors) -> Float[np.ndarray, " n"]:
     """The part of the sun's disc that the Earth does not hide, 0 to 1.
 
-    In between, as the disc goes behind the horizon, its height counts as its area.
-
-    Args:
-        r: places from the middle of the Earth, m.
-        sun: unit vectors to the sun, the same axes.
+    In between, as the disc goes behind the horizon, its height counts as its area. The
+    places `r` are from the middle of the Earth, m; `sun` are unit vectors to the sun.
     """
     R = np.linalg.norm(r, axis=1)
     from_nadir = np.arccos(np.clip(-np.sum(r * sun, axis=1) / R, -1.0, 1.0))
@@ -109,23 +99,16 @@ POLE = 1e-4
 
 
 def dipole_field(r: Vectors) -> Vectors:
-    """The field of a dipole along the Earth's axis, T.
-
-    Args:
-        r: places from the middle of the Earth, m.
-    """
+    """The field of a dipole along the Earth's axis, T, at `r` from its middle, m."""
     R = np.linalg.norm(r, axis=1, keepdims=True)
     n = r / R
     return FIELD * (R_E / R) ** 3 * (AXIS - 3 * (n @ AXIS)[:, None] * n)
 
 
 def reference_field(epoch: datetime, t: Float[np.ndarray, " n"], r: Vectors) -> Vectors:
-    """The International Geomagnetic Reference Field (IGRF), T.
+    """The International Geomagnetic Reference Field (IGRF) at the epoch, T.
 
-    Args:
-        epoch: the time at t = 0, and that of the model.
-        t: seconds after it.
-        r: places from the middle of the Earth then, m.
+    The places `r`, `t` s after the epoch, are from the middle of the Earth, m.
 
     Raises:
         InputError: the epoch is not one of the model.

@@ -98,11 +98,7 @@ class Ephemeris:
 
 
 def read_oem(path: Path, epoch: datetime) -> Ephemeris:
-    """The states of an OEM.
-
-    Args:
-        path: of the file, KVN or XML.
-        epoch: the time at t = 0.
+    """The states of an OEM, a file of KVN or XML; the epoch is `t = 0`.
 
     Raises:
         InputError: the file is no OEM, or its frame, centre or time system is another.
@@ -218,11 +214,7 @@ class Elements:
             )
 
     def states(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
-        """Places, m, and velocities, m/s.
-
-        Args:
-            t: seconds after the epoch, increasing.
-        """
+        """Places, m, and velocities, m/s, `t` s after the epoch, which increase."""
         from scipy.integrate import solve_ivp
 
         x = np.tile(self.state(), (t.size, 1))

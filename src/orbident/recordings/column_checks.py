@@ -25,8 +25,7 @@ UNEVEN = 0.1
 def float32_step(t: Float[np.ndarray, " samples"]) -> float:
     """What times were rounded to as float32, s; 0 where they were not, or hardly.
 
-    Args:
-        t: times, s, in any order.
+    The times are in s, in any order.
     """
     t = t[:FIRST]
     if not np.array_equal(t, t.astype(np.float32)):

@@ -70,9 +70,7 @@ def is_known(column: str) -> bool:
 def part_of(kind: str, column: str) -> str | None:
     """The name of the joint, wheel, thruster or torquer that the column belongs to.
 
-    Args:
-        kind: which of these it is to be of; it is none's of any other.
-        column: of a recording.
+    It is none's of any other kind.
     """
     match = _PATTERN.fullmatch(column)
     return match[kind] if match else None
@@ -118,11 +116,7 @@ def check_names(source: str, names: Sequence[str]) -> None:
 
 
 def columns_in_words(columns: Mapping[str, Float[np.ndarray, " samples"]]) -> list[str]:
-    """A line for each sensor: its columns, and how many samples it has.
-
-    Args:
-        columns: by name; NaN where a sensor has no sample.
-    """
+    """A line for each sensor: its columns, and how many samples it has."""
     sensors: dict[str, list[str]] = {}
     for name in columns:
         sensor, _, component = name.rpartition(".")

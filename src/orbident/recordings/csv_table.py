@@ -235,13 +235,7 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
 def joined_batches(
     names: Iterable[str], most: int, batches: Iterable[Mapping[str, np.ndarray]]
 ) -> dict[str, np.ndarray]:
-    """Every column of a table whose rows come in batches.
-
-    Args:
-        names: of the columns, `t` among them.
-        most: rows that there may be.
-        batches: some rows of every column each.
-    """
+    """Every column of a table, `t` among them, of which `most` rows may come."""
     columns, start = {name: np.empty(most) for name in names}, 0
     for batch in batches:
         rows = slice(start, start + batch["t"].size)

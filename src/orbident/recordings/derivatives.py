@@ -16,9 +16,7 @@ Samples = Float[np.ndarray, "n axes"]
 def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Samples]:
     """The first and the second derivative by time.
 
-    Args:
-        t: s, evenly spaced; more than `2 HALF`.
-        x: finite samples at these times.
+    Times `t`, s, are evenly spaced and more than `2 HALF`; the samples are finite.
     """
     first, second = _weights(t, HALF)
     return _filtered(x, first), _filtered(x, second)

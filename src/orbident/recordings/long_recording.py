@@ -132,10 +132,8 @@ class LongRecording:
     def stretches(self, beside: Callable[[str], int], size: int) -> Iterator[Stretch]:
         """All rows, each once its stretch's own.
 
-        Args:
-            beside: by column, how many of its samples must stand at either end of a
-                stretch's own rows, as far as there are any within `FARTHEST` rows.
-            size: rows of a stretch.
+        So many samples of a column must stand at either end of a stretch's own rows as
+        `beside` says, as far as there are any within `FARTHEST` rows.
 
         Raises:
             InputError: As `Recording`.

@@ -84,9 +84,8 @@ def no_measurements(
       a leap.
     - Zeros alone, to which a position leaps.
 
-    Args:
-        sensor: the name of its group of columns.
-        table: any unit; NaN where there is no sample.
+    The sensor is the name of its group of columns. The table is in any unit, and NaN
+    where there is no sample.
     """
     found, table = {}, table.copy()
     for value in {value for x in table.T for value in _impossible(x)}:
@@ -126,11 +125,9 @@ def zeros_alone(
 
     A position leaps to zero there and back, or on one side of the first and the last
     rows: twice as far as from any row to the next. The rates of a robot that rests at
-    zero may leap, but its positions leave by their usual steps.
-
-    Args:
-        columns: of all sensors, or of one, any unit; NaN where there is no sample.
-        positions: those of them that go on from sample to sample.
+    zero may leap, but its positions leave by their usual steps. Columns are those of
+    all sensors, or of one, in any unit, and NaN where there is no sample; positions
+    those of them that go on from sample to sample.
     """
     columns = tuple(columns)
     # Zeros of an attitude are none already.
@@ -155,9 +152,7 @@ def repeats(
 ) -> dict[str, Bool[np.ndarray, " n"]]:
     """Which samples are shown again, by reason, as `no_measurements` has it.
 
-    Args:
-        table: any unit; NaN where there is no sample.
-        pose: whether it may be frozen.
+    The table is in any unit, and NaN where there is no sample; a pose may be frozen.
     """
     rows = np.flatnonzero(~np.isnan(table).any(axis=1))
     x = table[rows]

@@ -1,8 +1,4 @@
-"""Recordings as CSV and Parquet files, written whole or not at all.
-
-Tables are read and written block by block: memory holds one block, however long the
-table.
-"""
+"""Recordings as CSV and Parquet files, block by block, written whole or not at all."""
 
 import csv
 import io
@@ -18,7 +14,7 @@ import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
 from orbident.files.names import quoted
-from orbident.files.replacing import replacing
+from orbident.files.replacing import check_place, replacing
 from orbident.files.text import refuse_pipe
 from orbident.recordings.columns import check_names, is_known
 from orbident.recordings.csv_table import (
@@ -36,10 +32,7 @@ def write_blocks(
 ) -> None:
     """Writes a table as .csv or .parquet, whole or not at all; NaN is an empty cell.
 
-    Args:
-        path: the suffix says how.
-        names: of the columns.
-        blocks: `(rows, columns)` each, in order.
+    The suffix says how. Blocks are rows by columns, in order.
 
     Raises:
         InputError: a folder that does not exist, or no permission.
@@ -305,10 +298,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     Raises:
         InputError: Another suffix, or a folder that does not exist.
     """
-    path = Path(path)
-    _check_suffix(path)
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder '{path.parent}' does not exist; create it")
+    _check_suffix(Path(path))
+    check_place(Path(path))
 
 
 def _check_suffix(path: Path) -> None:

@@ -41,10 +41,7 @@ WORDS = (
 def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
     """A page with the noise of a recording at rest.
 
-    Args:
-        found: by axis.
-        title: of the page.
-        path: where it goes; an existing file is replaced.
+    An existing file is replaced.
 
     Raises:
         InputError: it cannot be written.

@@ -1,7 +1,4 @@
-"""The report of a campaign: how good each method's estimates and intervals are.
-
-Its charts are histograms, normal plots, and what errors depend on.
-"""
+"""The report of a campaign: how good each method's estimates and intervals are."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -111,13 +108,7 @@ def write_campaign_report(campaign: Campaign, folder: Path) -> Path:
 
 
 def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
-    """The report as HTML.
-
-    Args:
-        campaign: of the folder.
-        folder: for what failed, and for the lines that repeat a run.
-        rows: of the runs.
-    """
+    """The report as HTML."""
     found = method_statistics(rows)
     bounds = {s.robot.name: _bounds(campaign, s.robot.name) for s in campaign.subjects}
     checks = tuple(_check(group) for group in found)

@@ -166,13 +166,8 @@ def interval_list(
 ) -> Figure:
     """Intervals, one below the other, with a line at what is expected.
 
-    Args:
-        names: of the rows.
-        x: estimates,
-        half: and half of their intervals.
-        zero: what is expected.
-        least: half the axis at least: rounding is not to fill a chart.
-        x_title: of the axis.
+    Around the estimates `x` are `half` of their intervals; `zero` is what is expected.
+    The axis reaches `least` from it at least: rounding is not to fill a chart.
     """
     upright = line(np.full(2, zero), np.array([-0.5, len(names) - 0.5]), LIMIT)
     reach = float(np.max(np.abs(x - zero) + half, initial=0.0))
@@ -208,10 +203,7 @@ def shares_across(
 ) -> Figure:
     """Bars, one below the other, each made of parts of several colours.
 
-    Args:
-        names: of the bars.
-        shares: their parts, from the left.
-        x_title: of the axis.
+    The parts begin on the left.
     """
     ends = np.cumsum([*shares.values()], axis=0)
     rows = list(range(len(names)))
@@ -244,13 +236,8 @@ def heat_map(
 ) -> Figure:
     """A coloured cell a number, those above zero red, those below blue.
 
-    Args:
-        down: names of the rows,
-        across: and of the columns.
-        z: the numbers.
-        full: the size at which a colour is full.
-        height: of the chart, pixels.
-        more: of the trace.
+    A colour is full at the size `full`; the height is in pixels, and `more` is of the
+    trace.
     """
     trace = {
         "type": "heatmap",
@@ -296,10 +283,7 @@ def extremes(
 ) -> Int[np.ndarray, " shown"]:
     """Which samples to draw: least and largest of each column, in order.
 
-    Args:
-        t: times, increasing.
-        x: finite.
-        columns: of pixels.
+    Times increase, values are finite, and columns are those of pixels.
     """
     if t.size <= 2 * columns:
         return np.arange(t.size)

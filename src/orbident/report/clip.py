@@ -16,11 +16,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
 from orbident.report.drawing import Drawing, Image, PolyCollection
-from orbident.scene.replay import (
-    FramePoses,
-    Replay,
-    with_resting_cm,
-)
+from orbident.scene.replay import FramePoses, Replay, with_resting_cm
 from orbident.scene.scene import Scene, view_axes
 from orbident.scene.shapes import BASE, CAD, IDENTIFIED, Colour, coarse
 
@@ -70,14 +66,8 @@ def write_clip(
 ) -> int:
     """Draw the measured robot, and its ghosts where there are such, as a GIF.
 
-    Args:
-        scene: of the robot.
-        replay: what it did.
-        path: of the file; an existing one is replaced.
-        progress: called with the part that is done.
-
-    Returns:
-        How many frames it has.
+    An existing file is replaced; the part that is done is told meanwhile, and how many
+    frames it has at the end.
 
     Raises:
         InputError: it cannot be written there.

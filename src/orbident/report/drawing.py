@@ -1,7 +1,4 @@
-"""Charts as drawings of matplotlib, and how they are kept; its and Pillow's one import.
-
-For notebooks and papers, each chart of a report is a figure.
-"""
+"""Charts of a report as drawings of matplotlib; its and Pillow's one import."""
 
 import html
 import re
@@ -176,10 +173,7 @@ def _colors() -> dict[str, Any]:
 def kept(drawing: Drawing, path: Path, title: str) -> Picture:
     """The drawing as a PNG and an SVG file, and for a report.
 
-    Args:
-        drawing: complete.
-        path: of the files, without a suffix.
-        title: of the picture in the report.
+    The path is without a suffix.
 
     Raises:
         InputError: nothing can be written there.

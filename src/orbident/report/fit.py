@@ -1,7 +1,4 @@
-"""What was measured against what is predicted, and what is left.
-
-Whether what is left is white, its correlation in time and its spectrum show.
-"""
+"""What was measured against what is predicted, and whether what is left is white."""
 
 from collections.abc import Iterator
 from typing import NamedTuple

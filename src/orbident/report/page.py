@@ -172,14 +172,7 @@ def mass_in_words(result: Result) -> str:
 def page(
     title: str, subtitle: str, verdict: Verdict, sections: Sequence[Section]
 ) -> str:
-    """The page.
-
-    Args:
-        title: what it is about.
-        subtitle: how that came about.
-        verdict: what it says first.
-        sections: all else.
-    """
+    """The page."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(

@@ -1,8 +1,4 @@
-"""The parameters with their intervals, beside what CAD says of them.
-
-Pictures show what their deviations are made of, and what errors of instruments would
-shift them.
-"""
+"""The parameters with their intervals, beside what CAD says of them."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -63,9 +59,7 @@ SMALL = 1e-3
 def parameters(result: Result, known_as: str) -> Section | None:
     """The base parameters beside CAD, then all sets; None of a refused result.
 
-    Args:
-        result: of an identification.
-        known_as: what the nominal values are: `"CAD"`, or `"truth"` in a simulation.
+    The nominal values are known as `"CAD"`, or as `"truth"` in a simulation.
     """
     if result.status == "rejected":
         return None
@@ -155,12 +149,7 @@ def masses(result: Result, known_as: str) -> Section | None:
 
 
 def mass_rows(routes: MassRoutes, which: Iterable[int]) -> Iterator[TableRow]:
-    """Route, mass, deviation, 95 % and sigmas; the note is the formula.
-
-    Args:
-        routes: to the mass.
-        which: of them, by their numbers.
-    """
+    """Route, mass, deviation, 95 % and sigmas; the note is the formula."""
     for k in which:
         value, std = float(routes.values[k]), float(routes.std[k])
         cells = (
@@ -297,12 +286,7 @@ def sensitivities(result: Result) -> Section | None:
 
 
 def error_in_words(error: str, unit: str) -> str:
-    """A calibration error for people: `1 mrad: zero of elbow`.
-
-    Args:
-        error: such as `joint.elbow.zero` or `gyro.scale.x`.
-        unit: that a shift is counted for.
-    """
+    """A calibration error for people: `1 mrad: zero of elbow`."""
     kind, _, rest = error.partition(".")
     if kind in {"joint", "wheel"}:
         name, _, what = rest.rpartition(".")

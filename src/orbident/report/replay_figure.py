@@ -32,9 +32,7 @@ MOST_VERTICES = 60
 def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
     """The robot and its angular momentum, about its CM.
 
-    Args:
-        scene: of the robot, whose nominal inertia gives CM and momentum.
-        motion: as recorded.
+    Its nominal inertia gives CM and momentum.
     """
     shown = motion.thinned(FRAMES)
     at = placed(scene, shown, np.zeros_like(shown.qd_rw))

@@ -1,8 +1,4 @@
-"""The report of a study: the paper's numbers and figures beside ours, then its RUN.
-
-The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper; spectra
-of what was filtered, and how its cut-off frequencies were chosen.
-"""
+"""The report of a study: the paper's numbers and figures beside ours, then its RUN."""
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle
@@ -68,10 +64,6 @@ def draw_figures(
 ) -> tuple[Picture, ...]:
     """Each as `fig06.png`, `fig06.svg` and so on; the same for a report.
 
-    Args:
-        figures: by name.
-        folder: that exists.
-
     Raises:
         InputError: nothing can be written there.
     """
@@ -84,10 +76,7 @@ def draw_figures(
 def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     """Errors of a table's parameters, the paper's and ours, as PNG and SVG.
 
-    Args:
-        rows: of the table.
-        path: without a suffix.
-        title: over it.
+    The path is without a suffix.
 
     Raises:
         InputError: nothing can be written there.
@@ -146,11 +135,7 @@ def _parted(name: str) -> tuple[str, str]:
 def write_study_report(done: Study, result: Result, title: str, folder: Path) -> Path:
     """Write a study's report and the pictures in it.
 
-    Args:
-        done: the study.
-        result: its own, of the recording in the folder.
-        title: of the page.
-        folder: that exists.
+    The result is the study's own, of the recording in the folder.
 
     Raises:
         InputError: nothing can be written there.
@@ -201,11 +186,7 @@ FAINTEST = 1e-300
 
 
 def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
-    """A chart a signal; None where nothing was filtered.
-
-    Args:
-        found: by signal.
-    """
+    """A chart a signal; None where nothing was filtered."""
     if not found:
         return None
     return Section(
@@ -232,13 +213,7 @@ def unit_of_signal(signal: str) -> str:
 
 
 def drawn_cut_off(cut_off: CutOff, title: str, unit: str) -> Drawing:
-    """The amplitude spectrum, and the residual analysis beside it.
-
-    Args:
-        cut_off: as `choose_cut_off` found it.
-        title: over the picture.
-        unit: of the samples.
-    """
+    """The amplitude spectrum, and the residual analysis beside it."""
     spectrum = Chart("spectrum", "Spectrum", _spectrum(cut_off, unit))
     residual = Chart("residual", "Residual analysis", _residual(cut_off, unit))
     for chart in (spectrum, residual):

@@ -1,8 +1,4 @@
-"""The report of a RUN: which sections there are, and where it goes.
-
-The sections that are data alone: how a result predicted another recording, and the
-settings, input, signals and versions from which its numbers came about.
-"""
+"""The report of a RUN: which sections there are, and where it goes."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -238,10 +234,6 @@ FEWEST = 16
 def write_report(result: Result, folder: Path) -> Path:
     """Write `report.html` into a RUN folder.
 
-    Args:
-        result: that is kept there.
-        folder: that exists.
-
     Raises:
         InputError: a file of the folder is damaged, or it cannot be written.
     """
@@ -258,14 +250,7 @@ def report_page(
     replay: Sequence[Section] = (),
     validated: Section | None = None,
 ) -> str:
-    """The report as HTML.
-
-    Args:
-        result: of an identification.
-        trail: of a recursive one.
-        replay: of the motion, where the folder keeps it.
-        validated: how it predicted another recording, if it did.
-    """
+    """The report as HTML."""
     sections = sections_of(result, signals_to_show(result), trail)
     first, *others = sections
     shown = [] if validated is None else [validated]
@@ -290,11 +275,8 @@ def sections_of(
 ) -> list[Section]:
     """All that is said of a result, in order.
 
-    Args:
-        result: of an identification.
-        signals: `signals_to_show` of it.
-        trail: of a recursive one.
-        known_as: what the robot's own inertia is.
+    The signals are `signals_to_show` of it; nominal values are known as CAD, or as the
+    truth in a simulation.
     """
     sections = [
         parameters(result, known_as),

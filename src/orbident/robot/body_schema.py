@@ -16,12 +16,7 @@ from jaxtyping import Float
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import (
-    Direction,
-    MappingSchema,
-    Name,
-    WrongValueError,
-)
+from orbident.files.schema_parts import Direction, MappingSchema, Name, WrongValueError
 from orbident.robot.units import each_of, measure_of, quantity, quantity_of
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink, rotation_of
 
@@ -76,9 +71,7 @@ class MassEntry(MappingSchema):
     ) -> UrdfLink:
         """The link whose mass is given in a frame that stands at `origin` in its own.
 
-        Args:
-            name: of the link.
-            origin: m; at that of the link where absent.
+        The origin is in m; where absent, it is that of the link.
         """
         at = np.zeros(3) if origin is None else origin
         com = at + self.com if self.mass else np.zeros(3)
@@ -152,10 +145,7 @@ NO_AXIS = np.array([1.0, 0.0, 0.0])
 def tree_of_bodies(bodies: Mapping[str, BodyEntry], name: str, place: str) -> Urdf:
     """The links and joints of `bodies:`.
 
-    Args:
-        bodies: by name; each stands in the frame of its joint.
-        name: of the robot.
-        place: the robot file's name, for messages.
+    Each body stands in the frame of its joint.
     """
     links = tuple(entry.as_link(body) for body, entry in bodies.items())
     joints = tuple(
@@ -179,11 +169,7 @@ def tree_of_table(table: DhTable, name: str, place: str) -> Urdf:
 
     A link's frame has the axes of its DH frame, and stands at its joint. With the
     standard convention that is beside the DH frame, at the origin of the one before.
-
-    Args:
-        table: base and rows; mass, CM and inertia of a link in its DH frame.
-        name: of the robot.
-        place: the robot file's name, for messages.
+    Mass, CM and inertia of a link are given in its DH frame.
     """
     parent, base = table.base.name, table.base
     links, joints = [base.as_link(parent)], []

@@ -75,10 +75,9 @@ class Joint:
     """Limit of the rate, rad/s or m/s."""
 
     def within(self, far: float) -> tuple[float, float]:
-        """Its limits; where there is no stop, some place beyond zero.
+        """Its limits, rad or m; where there is no stop, a place so far beyond zero.
 
-        Args:
-            far: how far, rad or m; twice as far from the one stop that there is.
+        Where there is one stop, the other limit is twice as far from it.
         """
         low, high = self.position or (-math.inf, math.inf)
         if math.isinf(low) and math.isinf(high):

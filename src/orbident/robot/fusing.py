@@ -51,13 +51,9 @@ def fused(
 ) -> Bodies:
     """Fuses fixed joints, `theta_P += transformed(theta_C, R_PC, p_PC)`.
 
-    Bodies come depth first in the URDF's order, arm by arm. A body has the name of
-    the link at its joint.
-
-    Args:
-        tree: links and joints.
-        root: the link to start at; the base where absent.
-        held: joints to be taken as fixed at q = 0.
+    Bodies come depth first in the URDF's order, arm by arm. A body has the name of the
+    link at its joint. It begins at the root, by default the base; joints that are held
+    are taken as fixed at q = 0.
     """
     root = tree.base if root is None else root
     names, theta = [root], [tree.links[root].theta]
@@ -86,9 +82,7 @@ def fused(
 def about_feature_point(bodies: Bodies, p_LS: Float[np.ndarray, "3"]) -> Bodies:
     """Moves the base body's origin from the base link's frame L to S, Eq. 27's point.
 
-    Args:
-        bodies: the base's frame is the base link's.
-        p_LS: S in the base link's frame, m.
+    The base's frame is the base link's, in which `p_LS` is S, m.
     """
     theta = bodies.theta.copy()
     theta[0] = transformed(theta[0], np.eye(3), -p_LS)
@@ -149,13 +143,8 @@ def wheel_on_joint(
 ) -> UrdfWheel:
     """The rotor on a URDF joint.
 
-    Args:
-        tree: the robot's links and joints.
-        joint_name: a revolute or continuous joint on the base, whose subtree is
-            rigid.
-        where: file and key, for messages.
-        declared: inertia about the axis, kg m^2, of a rotor that the URDF gives none.
-            It is already part of the base, as that of a wheel without a joint.
+    A rotor to which the URDF gives no inertia has the declared one about its axis,
+    kg m^2, which is part of the base already, as that of a wheel without a joint.
 
     Raises:
         InputError: no such joint, one that cannot be a wheel, or a rotor without

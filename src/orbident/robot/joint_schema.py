@@ -1,12 +1,8 @@
-"""What a model and a robot file say of joints beside where they are.
-
-Which of them follow others, through however many between them; joints on springs that
-nobody measures, such as panels, booms and fuel as a pendulum; the motors' rotors and
-torque constants; and friction.
-"""
+"""What a model and a robot file say of joints beside where they are."""
 
 import json
 import math
+import xml.etree.ElementTree as ET
 from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
@@ -16,7 +12,7 @@ from pydantic import BeforeValidator
 
 from orbident.errors import InputError
 from orbident.files.bounds import SMALLEST
-from orbident.files.names import quoted
+from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
 from orbident.robot.description import (
     NO_ROTOR,
@@ -36,15 +32,9 @@ from orbident.robot.urdf import Urdf
 def couplings_of(
     urdf: Urdf, moving: Collection[str]
 ) -> tuple[tuple[Coupling, ...], list[str]]:
-    """The couplings of a robot's joints.
+    """Couplings to joints that follow none, and a warning for each that is no coupling.
 
-    Args:
-        urdf: its joints say what they mimic.
-        moving: the names of the robot's joints.
-
-    Returns:
-        Couplings to joints that follow none, and a warning for each joint that follows
-        what does not move.
+    The moving ones are the robot's joints, by name.
 
     Raises:
         InputError: joints follow each other in a circle.
@@ -140,11 +130,6 @@ def check_passive(
 ) -> None:
     """Refuse passive joints that do not move freely.
 
-    Args:
-        passive: names of joints of the robot.
-        couplings: which of its joints follow others.
-        place: the robot file's name, for messages.
-
     Raises:
         InputError: one follows another, or another follows it.
     """
@@ -161,10 +146,7 @@ def require_measured(
 ) -> None:
     """Refuse a robot with joints that nobody measures.
 
-    Args:
-        robot: of any kind.
-        what: needs all joints, in words.
-        instead: what to do, in words.
+    What needs all joints, and what to do instead, are in words.
 
     Raises:
         InputError: it has such joints.
@@ -183,11 +165,11 @@ ALONG = 1e-6
 """How far from an axis of a body a unit vector may be: files print few digits."""
 
 
-def _or_none(given: object) -> object:
-    return NO_ROTOR._asdict() if given == NONE else given
-
-
-RotorEntry = Annotated[GearedRotor, keys_of(GearedRotor), BeforeValidator(_or_none)]
+RotorEntry = Annotated[
+    GearedRotor,
+    keys_of(GearedRotor),
+    BeforeValidator(lambda given: NO_ROTOR._asdict() if given == NONE else given),
+]
 RotorSection = Annotated[
     dict[Name, RotorEntry],
     BeforeValidator(lambda given: {EVERY: NONE} if given == NONE else given),
@@ -257,10 +239,7 @@ def proposed_rotors(
 ) -> list[str]:
     """What to say of the rotors that a model knows of, in words.
 
-    Args:
-        urdf: whose joints have gears and armatures.
-        joints: those that move.
-        said: joints of which the robot file says it already.
+    Of the joints that are said, the robot file says it already.
     """
     turning = {j.name for j in joints if j.kind == "revolute"} - set(said)
     words = []
@@ -305,10 +284,7 @@ def check_driven(
 ) -> None:
     """Refuse motors and their friction at joints that nobody drives.
 
-    Args:
-        sections: names of joints of the robot, by the key that says something of them.
-        passive: those that are on springs.
-        place: the robot file's name, for messages.
+    The sections have the joints by the key that says something of them.
 
     Raises:
         InputError: one of them is passive.
@@ -320,3 +296,70 @@ def check_driven(
                     f"{place}: {section}.{name}: the joint is passive: no motor drives "
                     "it, and its damping is among 'passive'; leave out one"
                 )
+
+
+TURNING = ("revolute", "continuous")
+"""The kinds of joints that may give way."""
+
+
+def flexibility(joint: str) -> str:
+    """The name of the passive joint behind a measured one."""
+    return f"{joint}'s flexibility"
+
+
+def with_flexible_joints(
+    document: Mapping[str, Any], urdf: str, place: str
+) -> tuple[dict[str, Any], str]:
+    """The robot file and the URDF with passive joints in place of flexible ones.
+
+    The encoder of a joint that gives way between motor and link is on its motor's side.
+    Behind it stands a passive joint about the same axis, and the body between both has
+    no mass: everything else knows passive joints alone. Both were read and checked.
+
+    Raises:
+        InputError: a flexible joint does not turn, or is passive too.
+    """
+    root = ET.fromstring(
+        urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    )
+    joints = {
+        joint.get("name", ""): joint
+        for joint in root.findall("joint")
+        if joint.get("type") in TURNING
+    }
+    passive = dict(document.get("passive", {}))
+    structure = dict(document.get("structure", {}))
+    for name, spring in document["flexible"].items():
+        if name not in joints:
+            raise InputError(
+                f"{place}: flexible: no joint {name!r} that turns; "
+                + suggestion(name, joints, "ones")
+            )
+        if name in passive:
+            raise InputError(
+                f"{place}: flexible.{name}: the joint is passive, and a flexible one "
+                "is measured on its motor's side; leave out one"
+            )
+        like = {"like": flexibility(spring["like"])} if "like" in spring else {}
+        passive[flexibility(name)] = {**spring, **like}
+        structure[f"{name}'s motor"] = {"massless": True}
+        _split(root, joints[name], f"{name}'s motor")
+    others = {key: each for key, each in document.items() if key != "flexible"}
+    return (
+        {**others, "passive": passive, "structure": structure},
+        ET.tostring(root, encoding="unicode") + "\n",
+    )
+
+
+def _split(root: ET.Element, joint: ET.Element, between: str) -> None:
+    """Put a link and a joint about the same axis between a joint and its child."""
+    ET.SubElement(root, "link", name=between)
+    spring = ET.SubElement(
+        root, "joint", name=flexibility(joint.get("name", "")), type="continuous"
+    )
+    ET.SubElement(spring, "parent", link=between)
+    spring.extend(joint.findall("child"))
+    spring.extend(joint.findall("axis"))
+    for child in joint.findall("child"):
+        joint.remove(child)
+    ET.SubElement(joint, "child", link=between)

@@ -42,8 +42,7 @@ class MayAct(NamedTuple):
 def may_act(given: object) -> dict[str, MayAct] | None:
     """What a robot file says of what may act; None where it says nothing.
 
-    Args:
-        given: names of groups that act, of any size; or a mapping from names to sizes.
+    Given are names of groups that act, of any size, or sizes by the groups' names.
 
     Raises:
         WrongValueError: there is no such group, or a size is no size of it.

@@ -133,11 +133,8 @@ _WHEEL_NAME = re.compile(r"wheel|(^|[_.-])rw(?![a-z])", re.IGNORECASE)
 def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) -> str:
     """A commented robot file of an arm of equal links, whose axes alternate.
 
-    Args:
-        name: of the robot.
-        joints: how many.
-        wheels: how many; the first three are along x, y and z, more are skew.
-        table: with a DH table instead of bodies.
+    The first three wheels are along x, y and z, more are skew. A DH table may stand
+    instead of bodies.
     """
     parts = [
         _HEAD.format(name=json.dumps(name)),
@@ -154,12 +151,8 @@ def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) 
 def robot_text_of_model(robot: Robot, model: str) -> tuple[str, tuple[str, ...]]:
     """A commented robot file for a robot that a model file describes.
 
-    Args:
-        robot: as the model alone has it.
-        model: the model's file, from where the robot file is.
-
-    Returns:
-        The text, and the joints that are taken for wheels because of their names.
+    The model's file is named from where the robot file is. Joints that are taken for
+    wheels because of their names come with the text.
     """
     first = {joint.parent for joint in robot.joints}
     wheels, joints, lines = list[str](), list[Joint](), list[str]()

@@ -1,7 +1,4 @@
-"""What is odd about a robot, in words: what its file may have forgotten or slipped.
-
-Inertias may be those of no body, or contradict what is declared to be known of one.
-"""
+"""What is odd about a robot, in words: what its file may have forgotten or slipped."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -37,11 +34,8 @@ def nonphysical(
 ) -> tuple[str, ...]:
     """What no body can have: one sentence a fault, none for a physical body.
 
-    Args:
-        link: the name to use in the sentences.
-        mass: kg.
-        I_com: inertia about the CM, any axes, kg m^2; those of the file, where a
-            decimal point may have slipped in one of its numbers.
+    The mass is in kg, the inertia about the CM in kg m^2; its axes are those of the
+    file, where a decimal point may have slipped in one of its numbers.
     """
     a, b, c = np.linalg.eigvalsh(I_com)
     largest = max(abs(a), abs(c))
@@ -169,11 +163,7 @@ TILTED = 1e-6
 
 
 def oddities(robot: Robot) -> tuple[str, ...]:
-    """One sentence for each; `Robot.warnings`, of inertias and the like, come first.
-
-    Args:
-        robot: with its nominal inertia.
-    """
+    """One sentence for each; `Robot.warnings`, of inertias and the like, come first."""
     return (
         *robot.warnings,
         *_run(robot),
@@ -193,30 +183,28 @@ def odd_sensors(robot: Robot) -> tuple[str, ...]:
     return (*_without_sensors(robot), *_taken_as_exact(robot))
 
 
-def _run(robot: Robot) -> list[str]:
+def _run(robot: Robot) -> Iterator[str]:
     model = str(robot.document.get("model") or robot.document.get("urdf"))
-    if not model.lower().endswith(".xacro"):
-        return []
-    return [
-        f"{model} is a xacro file, whose expressions are run as a program: use it only "
-        "if you trust it, or give the URDF that it expands to"
-    ]
+    if model.lower().endswith(".xacro"):
+        yield (
+            f"{model} is a xacro file, whose expressions are run as a program: use it "
+            "only if you trust it, or give the URDF that it expands to"
+        )
 
 
-def _massless(robot: Robot) -> list[str]:
+def _massless(robot: Robot) -> Iterator[str]:
     names = [
         body for body, theta in zip(robot.bodies, robot.theta, strict=True)
         if not (theta.any() or robot.structure.get(body, Structure()).massless)
     ]  # fmt: skip
-    if not names:
-        return []
-    return [
-        f"no mass: {listed(names)}: what moves there has a nominal mass of zero; give "
-        "its mass, CM and inertia unless it only carries another joint"
-    ]
+    if names:
+        yield (
+            f"no mass: {listed(names)}: what moves there has a nominal mass of zero; "
+            "give its mass, CM and inertia unless it only carries another joint"
+        )
 
 
-def _left_by_an_exporter(robot: Robot) -> list[str]:
+def _left_by_an_exporter(robot: Robot) -> Iterator[str]:
     """Inertias and CMs of moving bodies that nobody has worked out."""
     moving = {
         robot.bodies[k]: (joint, robot.theta[k])
@@ -227,13 +215,12 @@ def _left_by_an_exporter(robot: Robot) -> list[str]:
     longest = max(
         (float(np.linalg.norm(joint.p_PJ)) for joint, _ in moving.values()), default=0.0
     )
-    odd = []
     for name, (_, theta) in moving.items():
         about_com = inertia_about_com(theta)
         size = np.sqrt(np.trace(about_com) / 2 / theta[MASS])
         com = float(np.linalg.norm(theta[FIRST_MOMENT])) / theta[MASS]
         if size > LARGE * max(longest, com) > 0:
-            odd.append(
+            yield (
                 f"{name}: {theta[MASS]:.3g} kg with a radius of gyration of "
                 f"{size:.2g} m, and joints are {longest:.2g} m apart at most: is its "
                 "inertia of a heavier body?"
@@ -242,11 +229,10 @@ def _left_by_an_exporter(robot: Robot) -> list[str]:
     for name, (_, theta) in moving.items():
         copied[tuple(inertia_about_com(theta).round(9).ravel())].append(name)
     masses = {name: theta[MASS] for name, (_, theta) in moving.items()}
-    odd += [
-        f"{listed(names)} have different masses and the same inertia: was it copied?"
-        for names in copied.values()
-        if len(names) >= SEVERAL and len({masses[name] for name in names}) > 1
-    ]
+    for names in copied.values():
+        if len(names) >= SEVERAL and len({masses[name] for name in names}) > 1:
+            same = "have different masses and the same inertia: was it copied?"
+            yield f"{listed(names)} {same}"
     # What turns on the base alone may be a wheel, which is balanced.
     at_joint = [
         name
@@ -254,27 +240,23 @@ def _left_by_an_exporter(robot: Robot) -> list[str]:
         if not theta[FIRST_MOMENT].any() and (joint.parent or name in carrying)
     ]
     if len(at_joint) >= SEVERAL:
-        odd.append(
-            f"{listed(at_joint)} have their CMs at their joints: was it left out?"
-        )
-    return odd
+        yield f"{listed(at_joint)} have their CMs at their joints: was it left out?"
 
 
-def _out_of_plane(robot: Robot) -> list[str]:
+def _out_of_plane(robot: Robot) -> Iterator[str]:
     if robot.motion != "planar":
-        return []
+        return
     names = [
         joint.name
         for joint, along_z in zip(robot.joints, _along_z(robot), strict=True)
         if (1.0 - along_z if joint.kind == "revolute" else along_z) > TILTED
     ]
     names += [wheel.name for wheel in robot.wheels if 1.0 - abs(wheel.axis[2]) > TILTED]
-    if not names:
-        return []
-    return [
-        f"motion: planar, but {listed(names)} turn about another axis than base z, or "
-        "slide out of the plane; correct the axes, or give motion: spatial"
-    ]
+    if names:
+        yield (
+            f"motion: planar, but {listed(names)} turn about another axis than base z, "
+            "or slide out of the plane; correct the axes, or give motion: spatial"
+        )
 
 
 def _along_z(robot: Robot) -> list[float]:
@@ -286,44 +268,42 @@ def _along_z(robot: Robot) -> list[float]:
     return cosines
 
 
-def _flat(robot: Robot) -> list[str]:
-    if robot.motion == "planar" or len(robot.joints) < 2:
-        return []
-    for joint, along_z in zip(robot.joints, _along_z(robot), strict=True):
-        if joint.kind != "revolute" or 1.0 - along_z > TILTED:
-            return []
-    return [
-        "motion: spatial, but all joints turn about base z: if the robot floats on a "
-        "table, give motion: planar"
-    ]
+def _flat(robot: Robot) -> Iterator[str]:
+    turning = all(joint.kind == "revolute" for joint in robot.joints)
+    if robot.motion == "planar" or len(robot.joints) < 2 or not turning:
+        return
+    if 1.0 - min(_along_z(robot)) <= TILTED:
+        yield (
+            "motion: spatial, but all joints turn about base z: if the robot floats on "
+            "a table, give motion: planar"
+        )
 
 
-def _without_limits(robot: Robot) -> list[str]:
+def _without_limits(robot: Robot) -> Iterator[str]:
     driven = [joint for joint in robot.joints if joint.name not in robot.passive]
     unlimited = {
         "range": [joint.name for joint in driven if joint.position is None],
         "rate": [joint.name for joint in driven if joint.velocity is None],
     }
-    return [
-        f"no limit of the {what}: {listed(names)}: 'excite' may move them as far or "
-        "as fast as it likes; add it under limits"
-        for what, names in unlimited.items()
-        if names
-    ]
+    for what, names in unlimited.items():
+        if names:
+            yield (
+                f"no limit of the {what}: {listed(names)}: 'excite' may move them as "
+                "far or as fast as it likes; add it under limits"
+            )
 
 
-def _without_wheels(robot: Robot) -> list[str]:
+def _without_wheels(robot: Robot) -> Iterator[str]:
     torques = robot.sensors.torques or robot.torque_constants
-    if robot.wheels or robot.thrusters or torques:
-        return []
-    return [
-        "no wheels and no thrusters: without a momentum that is known, pi has no scale "
-        "and the mass is not identified; declare wheels (joints that are wheels), "
-        "thrusters, or torque sensors at joints"
-    ]
+    if not (robot.wheels or robot.thrusters or torques):
+        yield (
+            "no wheels and no thrusters: without a momentum that is known, pi has no "
+            "scale and the mass is not identified; declare wheels (joints that are "
+            "wheels), thrusters, or torque sensors at joints"
+        )
 
 
-def _without_sensors(robot: Robot) -> list[str]:
+def _without_sensors(robot: Robot) -> Iterator[str]:
     known = robot.sensors.declared
     missing = []
     if robot.joints and "joints" not in known:
@@ -334,16 +314,15 @@ def _without_sensors(robot: Robot) -> list[str]:
         missing.append("gyro or attitude")
     if not {"position", "accelerometer"} & set(known):
         missing.append("position or accelerometer")
-    if not missing:
-        return []
-    return [
-        f"sensors: nothing is said of {', '.join(missing)}: 'simulate' leaves them "
-        "out, and 'excite' and 'inspect --trajectory' do not know how good they are; "
-        "add them under sensors"
-    ]
+    if missing:
+        yield (
+            f"sensors: nothing is said of {', '.join(missing)}: 'simulate' leaves them "
+            "out, and 'excite' and 'inspect --trajectory' do not know how good they "
+            "are; add them under sensors"
+        )
 
 
-def _taken_as_exact(robot: Robot) -> list[str]:
+def _taken_as_exact(robot: Robot) -> Iterator[str]:
     gyro, known = robot.sensors.gyro or GyroSpec(), robot.tolerances
     missing = {
         what: float(np.max(np.abs(error)))
@@ -353,28 +332,27 @@ def _taken_as_exact(robot: Robot) -> list[str]:
         )
         if error is not None and np.any(error) and not tolerance
     }
-    if not missing:
-        return []
-    add = ", ".join(f"{what}: {size:g}" for what, size in missing.items())
-    return [
-        f"sensors: 'simulate' adds an error of {' and '.join(missing)} to the gyro, "
-        "which 'identify' takes as exact without a tolerance, so that it refuses the "
-        f"recording; add tolerances: {{gyro: {{{add}}}}}"
-    ]
+    if missing:
+        add = ", ".join(f"{what}: {size:g}" for what, size in missing.items())
+        yield (
+            f"sensors: 'simulate' adds an error of {' and '.join(missing)} to the "
+            "gyro, which 'identify' takes as exact without a tolerance, so that it "
+            f"refuses the recording; add tolerances: {{gyro: {{{add}}}}}"
+        )
 
 
-def _far_point(robot: Robot) -> list[str]:
+def _far_point(robot: Robot) -> Iterator[str]:
     # The base's body frame is at S.
     theta = robot.theta[0]
     m = theta[MASS]
     if m <= 0:
-        return []
+        return
     distance = float(np.linalg.norm(theta[FIRST_MOMENT]) / m)
     about_S = float(theta[[4, 6, 9]].sum()) / 2
     size = np.sqrt(max(about_S / m - distance**2, 0.0))
-    if not size or distance <= FAR * size:
-        return []
-    return [
-        f"feature_point: S is {distance:.4g} m from the base's CM, while the base's "
-        f"radius of gyration is {size:.2g} m; give it in m, in the base link's frame"
-    ]
+    if size and distance > FAR * size:
+        yield (
+            f"feature_point: S is {distance:.4g} m from the base's CM, while the "
+            f"base's radius of gyration is {size:.2g} m; give it in m, in the base "
+            "link's frame"
+        )

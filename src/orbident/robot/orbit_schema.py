@@ -136,8 +136,7 @@ class OrbitEntry(MappingSchema):
     def in_si(self, folder: Path | None = None) -> Orbit:
         """The orbit.
 
-        Args:
-            folder: of the file, for an OEM.
+        An OEM is in the folder of the file.
 
         Raises:
             InputError: the OEM cannot be used, or there is no folder.

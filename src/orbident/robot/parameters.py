@@ -38,10 +38,7 @@ def from_mass_com_inertia(
 ) -> Float[np.ndarray, "10"]:
     """The ten parameters of a body from mass, CM and the inertia about its CM.
 
-    Args:
-        mass: kg.
-        com: from the body-frame origin to the CM, body axes, m.
-        I_com: inertia about the CM, body axes, kg m^2.
+    All is in body axes: kg; m, from the body-frame origin to the CM; kg m^2.
     """
     # Huygens-Steiner: I = I_com - m [c]x [c]x.
     C = cross_matrix(com)
@@ -60,12 +57,10 @@ def transformed(
     R_AB: Float[np.ndarray, "3 3"],
     p_AB: Float[np.ndarray, "3"],
 ) -> Float[np.ndarray, "10"]:
-    """A body's parameters, given in frame B, for frame A.
+    """A body's parameters, given about B's origin in B's axes, for frame A.
 
-    Args:
-        theta_i: about B's origin, in B's axes.
-        R_AB: rotates vectors from B's axes into A's.
-        p_AB: from A's origin to B's, A's axes, m.
+    `R_AB` rotates vectors from B's axes into A's; `p_AB` is from A's origin to B's, A's
+    axes, m.
     """
     m, s = theta_i[MASS], R_AB @ theta_i[FIRST_MOMENT]
     P, S = cross_matrix(p_AB), cross_matrix(s)

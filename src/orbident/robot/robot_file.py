@@ -1,6 +1,6 @@
 """Loads and writes robots: bundled names, models of other tools and robot files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -24,7 +24,6 @@ from orbident.robot.description import (
     Robot,
     Wheel,
 )
-from orbident.robot.flexible_joints import with_flexible_joints
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.joint_schema import (
@@ -34,6 +33,7 @@ from orbident.robot.joint_schema import (
     couplings_of,
     proposed_rotors,
     rotors_by_joint,
+    with_flexible_joints,
 )
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
@@ -52,13 +52,7 @@ def assembled(
 ) -> Robot:
     """The robot that a robot file and its URDF describe.
 
-    Args:
-        file: the checked robot file.
-        document: the same, as read.
-        urdf: the URDF's links and joints.
-        text: the URDF's text.
-        place: the robot file's name, for messages.
-        orbit: the orbit that the file gives.
+    The document is the robot file as it was read, and the text is the URDF's.
 
     Raises:
         InputError: the file names joints or bodies that the URDF does not have, a
@@ -131,15 +125,14 @@ def assembled(
     )
 
 
-def _on_a_table(urdf: Urdf, file: RobotFile) -> list[str]:
+def _on_a_table(urdf: Urdf, file: RobotFile) -> Iterator[str]:
     # Elsewhere than above the base such a joint was refused.
     planar = [joint.name for joint in urdf.joints if joint.kind == "planar"]
-    if file.motion == "planar" or not planar:
-        return []
-    return [
-        f"joint '{planar[0]}' above the base is planar: if the robot floats on a "
-        "table, give motion: planar in a robot file"
-    ]
+    if planar and file.motion != "planar":
+        yield (
+            f"joint '{planar[0]}' above the base is planar: if the robot floats on a "
+            "table, give motion: planar in a robot file"
+        )
 
 
 def _wheels(
@@ -289,14 +282,9 @@ def _plain(value: Any) -> Any:
 def write_robot(robot: Robot, folder: str | Path) -> Path:
     """Writes `robot.yaml` and `robot.urdf`, from which the same robot loads again.
 
-    An OEM of its orbit is written beside them, as `robot.oem`.
-
-    Args:
-        robot: one that was loaded; what is written is its document and URDF.
-        folder: made if it is missing; files of these names are replaced.
-
-    Returns:
-        The path of `robot.yaml`.
+    An OEM of its orbit is written beside them, as `robot.oem`. What is written is its
+    document and URDF. The folder is made if it is missing, and files of these names are
+    replaced. Gives the path of `robot.yaml`.
 
     Raises:
         InputError: the robot has no document or URDF, or the folder is a file.

@@ -51,12 +51,7 @@ from orbident.robot.tolerances import (
     TORQUE_CONSTANTS,
     Tolerances,
 )
-from orbident.robot.units import (
-    OF_A_JOINT,
-    POSITION_OF,
-    at_least_zero,
-    measure_of,
-)
+from orbident.robot.units import OF_A_JOINT, POSITION_OF, at_least_zero, measure_of
 
 DECLARED = {name: kind for name, kind in CALIBRATION_KINDS.items() if kind.entry}
 """The kinds of errors that have a tolerance among those of a robot file."""

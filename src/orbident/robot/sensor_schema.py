@@ -6,12 +6,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import (
-    BeforeValidator,
-    Field,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
@@ -89,11 +84,10 @@ class Sampled(MappingSchema):
     def white_std(self, dt: float = 1.0) -> float:
         """Standard deviation of the white noise of a sample; SI, zero if not declared.
 
-        Args:
-            dt: from one sample to the next, s.
+        One sample comes `dt` after the other, s.
         """
         del dt
-        return 0.0
+        return getattr(self, "white_noise", 0.0)
 
     @property
     def bias_walk(self) -> float:
@@ -260,6 +254,7 @@ class TrackerSpec(Sampled):
 
     correlation_time: Annotated[Axes, per_axis("time", above_zero=True)] | None = None
     white_noise: float
+    """Of a sample, about or along each axis, rad or m."""
     markov_std: Axes | None
     random_walk: Axes | None
 
@@ -271,11 +266,6 @@ class TrackerSpec(Sampled):
         if self.correlation_time is not None and std is None:
             raise WrongValueError("correlation_time needs a markov_std beside it")
         return self
-
-    def white_std(self, dt: float = 1.0) -> float:
-        """That of a sample, about or along each axis, rad or m."""
-        del dt
-        return self.white_noise
 
     @property
     def coloured(self) -> Coloured:
@@ -310,11 +300,6 @@ class TorqueSpec(Sampled):
     NOISES = ("white_noise",)
 
     white_noise: Annotated[float, measure_of(TORQUE_OF_A_JOINT)] = Field(alias="std")
-
-    def white_std(self, dt: float = 1.0) -> float:
-        """That of a sample."""
-        del dt
-        return self.white_noise
 
 
 OfJoints = EncoderSpec | TorqueSpec

@@ -127,9 +127,8 @@ def si_unit(dimension: str) -> str:
 def quantity(given: object, dimension: str) -> float:
     """A quantity in SI.
 
-    Args:
-        given: a number, taken as SI, or a text such as `"0.01 deg/sqrt(h)"`.
-        dimension: a key of `UNITS`.
+    A number is taken as SI; a text is such as `"0.01 deg/sqrt(h)"`. The dimension is a
+    key of `UNITS`.
 
     Raises:
         WrongValueError: no finite number, or a unit that the dimension does not have.
@@ -138,8 +137,9 @@ def quantity(given: object, dimension: str) -> float:
     number, unit = _split(given)
     factor = units.get(unit) if unit else 1.0
     if factor is None:
+        article = "an" if dimension[0] in "aeiou" else "a"
         raise WrongValueError(
-            f"unknown unit {quoted(unit)} of {_article(dimension)}; "
+            f"unknown unit {quoted(unit)} of {article} {dimension}; "
             f"accepted: {', '.join(units)}"
         )
     si = next(iter(units))
@@ -162,9 +162,8 @@ class MeasuredQuantity(NamedTuple):
 def measured(given: object, dimension: str) -> MeasuredQuantity:
     """What was measured, and its standard deviation, such as `23.09 +- 0.01 kg`.
 
-    Args:
-        given: the text; the unit, of both, may be left out where it is SI's.
-        dimension: a key of `UNITS`.
+    The unit, of both, may be left out where it is SI's. The dimension is a key of
+    `UNITS`.
 
     Raises:
         WrongValueError: a deviation is missing, or not above zero.
@@ -195,10 +194,6 @@ def _split(given: object) -> tuple[float | None, str]:
     if found is None:
         return None, ""
     return float(found[0]), "".join(found.string[found.end() :].split())
-
-
-def _article(noun: str) -> str:
-    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
 
 
 def at_least_zero(value: object, dimension: str) -> float:

@@ -88,10 +88,6 @@ class Urdf:
 def read_urdf(text: str, place: str = "URDF") -> Urdf:
     """The links and joints of a URDF. No mesh is opened.
 
-    Args:
-        text: the URDF.
-        place: the file's name, for messages.
-
     Raises:
         InputError: see `urdf_xml.checked_xml`; also a zero axis, or limits whose
             lower end is above the upper one.

@@ -31,10 +31,6 @@ def checked_xml(text: str, place: str) -> ET.Element:
     mimic, and get a `<motor>` of what is said of theirs. Visuals and collisions go, so
     that no mesh is ever looked for.
 
-    Args:
-        text: the URDF.
-        place: the file's name, for messages.
-
     Raises:
         InputError: malformed XML, no links, missing or repeated names, a parent or
             child that is no link, text where numbers belong, a mass that is
@@ -226,12 +222,8 @@ def numbers_in(
 ) -> tuple[float, ...]:
     """The numbers of an element or an attribute.
 
-    Args:
-        text: what stands there.
-        count: how many there must be.
-        where: file and element, for messages.
-        bounded: false for a limit, where an infinite or very large number is a way
-            to write that there is none.
+    There must be `count` of them. Those of a limit are not bounded: an infinite or very
+    large number is a way to write that there is none.
 
     Raises:
         InputError: not so many, no numbers, not finite or too large.

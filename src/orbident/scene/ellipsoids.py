@@ -30,10 +30,6 @@ def inertia_ellipsoids(robot: Robot, motion: MotionHistory) -> InertiaEllipsoids
 
     Moments about their axes are `I_1 = M/5 (a_2^2 + a_3^2)`, and so on; those of the
     system are of `D` (Eq. 3), which is identified while its bodies' inertia is not.
-
-    Args:
-        robot: its `theta` decides.
-        motion: joints, attitude and place.
     """
     at, R_WB = inertia(robot, motion.q), quaternion_matrix(motion.x_WB)
     _, R = np.linalg.eigh(at.D)
@@ -61,12 +57,8 @@ def inertia_intervals(
     """Ellipsoids with the lower and the upper 95 % ends of every half axis by itself.
 
     The interval is that of a half axis' square, whose deviation is of first order in
-    the base parameters. CM and directions are held.
-
-    Args:
-        robot: its `theta` is identified.
-        root: a square root of the covariance of its base parameters.
-        motion: joints, attitude and place.
+    the base parameters. CM and directions are held. The covariance of the robot's
+    identified base parameters is `root root^T`.
     """
     found = inertia_ellipsoids(robot, motion)
     R = quaternion_matrix(motion.x_WB).mT @ found.R

@@ -31,9 +31,7 @@ ROS2 = get_typestore(Stores.ROS2_HUMBLE)
 def message(name: str, *fields: Any) -> Any:
     """A message of ROS 2.
 
-    Args:
-        name: its type, `sensor_msgs/Imu`.
-        fields: of the message, in the order of its definition.
+    The name is that of its type, `sensor_msgs/Imu`; the fields are in its order.
     """
     return ROS2.types[name.replace("/", "/msg/")](*fields)
 
@@ -55,10 +53,8 @@ class MessageLog:
     def write(self, topic: str, written: Any, time: int) -> None:
         """Add a message.
 
-        Args:
-            topic: all its messages have one type.
-            written: as `message` makes it.
-            time: when it was measured, ns, not negative.
+        All messages of a topic have one type. The time, when it was measured, is in ns
+        and not negative.
         """
         kind = written.__msgtype__
         if topic not in self._channels:
@@ -112,15 +108,8 @@ def write_mcap(
 ) -> Mapping[str, int]:
     """Write what a recording shows, and what the identified model predicts of it.
 
-    Args:
-        result: complete and not rejected.
-        recording: of the same robot.
-        path: of the file; an existing one is replaced.
-        signals: what identification predicted of this recording's sensors.
-        progress: called with the part that is done.
-
-    Returns:
-        How many messages each topic has.
+    An existing file is replaced. The signals are what identification predicted of this
+    recording's sensors. Gives how many messages each topic has.
 
     Raises:
         InputError: the result is rejected or not complete, the recording lacks what

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
@@ -49,9 +50,7 @@ class MotionHistory(NamedTuple):
 
     def wheel_angles(self) -> Float[np.ndarray, "n wheels"]:
         """What the wheels have turned since the first time, rad."""
-        middle = (self.qd_rw[1:] + self.qd_rw[:-1]) / 2
-        turned = np.cumsum(middle * np.diff(self.t)[:, None], axis=0)
-        return np.vstack([np.zeros(self.qd_rw.shape[1]), turned])
+        return cumulative_trapezoid(self.qd_rw, self.t, axis=0, initial=0)
 
 
 class FramePoses(NamedTuple):
@@ -77,13 +76,7 @@ class CentroidalMomentum(NamedTuple):
 def placed(
     scene: Scene, motion: MotionHistory, wheel_angles: Float[np.ndarray, "n wheels"]
 ) -> FramePoses:
-    """Every frame of the scene.
-
-    Args:
-        scene: of the robot.
-        motion: its times, joints, attitude and place.
-        wheel_angles: how far each wheel is turned, rad.
-    """
+    """Every frame of the scene; the wheels' angles are in rad."""
     at, n = poses(scene.robot, motion.q), len(motion.q)
     z = np.broadcast_to([0.0, 0.0, 1.0], (n, *scene.p_BWheel.shape))
     turned = scene.R_BWheel @ axis_rotation(z, wheel_angles)
@@ -124,11 +117,7 @@ def with_resting_cm(scene: Scene, motion: MotionHistory, inertia: Robot) -> Fram
     """Every frame of the scene, where the CM stays where it is at the first time.
 
     Wheels are held: from one time to the next they may turn too far for an eye to see.
-
-    Args:
-        scene: of the robot.
-        motion: of it.
-        inertia: the robot with the inertia that says where the CM is.
+    The inertia of a robot says where the CM is.
     """
     r_cm = centroidal_momentum(inertia, motion).r_cm
     at = placed(scene, motion, np.zeros_like(motion.qd_rw))
@@ -196,7 +185,7 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
 def _predicted(measured: MotionHistory, prediction: Prediction) -> MotionHistory:
     """The predicted motion, from where the measured one begins."""
     x_WB, w, v_S = prediction.x_WB, prediction.w, prediction.v_S
-    r_S = measured.r_S[0] + _integral(prediction.t, v_S)
+    r_S = measured.r_S[0] + cumulative_trapezoid(v_S, prediction.t, axis=0, initial=0)
     return measured._replace(x_WB=x_WB, w=w, r_S=r_S, v_S=v_S)
 
 
@@ -240,20 +229,12 @@ def compared_motions(result: Result, recording: Recording) -> Replay:
     return replay._replace(by_cad=_predicted(motion, prediction))
 
 
-def _integral(
-    t: Float[np.ndarray, " n"], v: Float[np.ndarray, "n 3"]
-) -> Float[np.ndarray, "n 3"]:
-    """The integral from the first time on, by the trapezoidal rule."""
-    steps = np.diff(t)[:, None] * (v[1:] + v[:-1]) / 2
-    return np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
-
-
 def _measured(
     robot: Robot, recording: Recording, t: Float[np.ndarray, " n"], batch: Batch
 ) -> MotionHistory:
     if batch.moving.any():
         v_S = _between(t, t[batch.moving], batch.v_S[batch.moving])
-        r_S = _integral(t, v_S)
+        r_S = cumulative_trapezoid(v_S, t, axis=0, initial=0)
     else:
         r_S, v_S = _about_resting_cm(robot, batch)
     if recording.has_vector("position"):
@@ -321,13 +302,7 @@ def reaction(
     """The base after the joints moved, without momentum; held wheels do not spin.
 
     Then `D w + D_q qd = 0` (Eq. 18): where the base gets to depends on the way of the
-    joints, not on their time.
-
-    Args:
-        robot: its `theta` decides.
-        base: before.
-        start: joint positions before, rad or m.
-        end: joint positions after.
+    joints, not on their time. Joint positions before and after are in rad or m.
     """
     at_rest = BaseState(
         angular_velocity=np.zeros(3),

@@ -61,9 +61,7 @@ def view_axes(eye: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
 def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
     """Shapes from the robot's URDF; made up where it shows nothing.
 
-    Args:
-        robot: with its nominal inertia.
-        folder: of the URDF, for its meshes; without one no mesh is looked for.
+    Meshes are looked for from the folder of the URDF; without one, none is.
     """
     size = robot_size(robot)
     shown, missing, refusal = _shown(robot, folder)

@@ -1,8 +1,4 @@
-"""Triangles and their colour: all that a picture of a robot is made of.
-
-They are what a URDF shows of its links, and boxes and rods for bodies that it does not
-show.
-"""
+"""Triangles and their colour: all that a picture of a robot is made of."""
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -156,12 +152,8 @@ def made_shapes(robot: Robot, body: int, size: float) -> list[Shape]:
 
     The base is the box of even density that has its inertia, with rods to its joints. A
     link is a rod from its joint to each next one; the last one ends as far behind its
-    CM as the CM is from its joint.
-
-    Args:
-        robot: with its nominal inertia.
-        body: index of the body.
-        size: of the robot, m.
+    CM as the CM is from its joint. The size is that of the robot, m, whose nominal
+    inertia counts.
     """
     com = _com(robot, body)
     joints = [joint.p_PJ for joint in robot.joints if joint.parent == body]
@@ -219,11 +211,8 @@ class LinkShapes(NamedTuple):
 def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
     """The visuals of every link; its collision shapes where a visual cannot be had.
 
-    What is wrong with a shape costs this shape, not the robot.
-
-    Args:
-        urdf: the text, well-formed.
-        folder: of the URDF, for meshes; none are looked for where absent.
+    What is wrong with a shape costs this shape, not the robot. Without a folder no
+    meshes are looked for.
     """
     root = ET.fromstring(urdf)
     colours = {

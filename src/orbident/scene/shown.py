@@ -41,10 +41,7 @@ class Shown(NamedTuple):
 
 
 def to_be_shown(named: str) -> Shown:
-    """The robot or the RUN of this name.
-
-    Args:
-        named: a bundled name, a URDF, a robot file, or a RUN folder.
+    """The robot of this name or file, or that of a RUN folder.
 
     Raises:
         InputError: it cannot be read. `model` raises it where a RUN does not determine

@@ -1,8 +1,4 @@
-"""What a robot is commanded to do: laws of joints and wheels, pulses of thrusters.
-
-Gains are data, which the core evaluates. Pulses are on-off forces, and what they amount
-to about S.
-"""
+"""What a robot is commanded to do, as data that the core evaluates."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -125,11 +121,8 @@ def attitude_hold(
 ) -> AttitudeHold:
     """The law for a robot's wheels, about the axes that they span.
 
-    Args:
-        robot: with wheels.
-        kp: N m/rad.
-        kd: N m s/rad.
-        attitude: to hold, unit quaternion, scalar last.
+    `kp` is in N m/rad and `kd` in N m s/rad; the attitude is a unit quaternion, scalar
+    last.
     """
     axes = np.reshape([wheel.axis for wheel in robot.wheels], (-1, 3)).T
     return AttitudeHold(kp, kd, attitude, np.linalg.pinv(axes))
@@ -182,10 +175,7 @@ def thrust(
 ) -> Float[np.ndarray, "n 6"]:
     """Net force on the base and its moment about S, base axes, N and N m.
 
-    Args:
-        robot: whose thrusters fire.
-        pulses: checked; each is on from `on` until just before `off`.
-        t: times, s.
+    Each pulse, checked before, is on from `on` until just before `off`, s.
     """
     net = np.zeros((t.size, 6))
     by_name = {thruster.name: thruster for thruster in robot.thrusters}
@@ -212,11 +202,7 @@ def thrust_columns(
     """The columns that a recording has of them, N.
 
     A number holds until the next row: it is the mean over that time, and the impulse is
-    right wherever a pulse begins.
-
-    Args:
-        environment: with the thrusters.
-        t: the times of the rows, s.
+    right wherever a pulse begins. The times of the rows are in s.
     """
     return {
         f"thruster.{name}.force": sum(

@@ -1,8 +1,4 @@
-"""A free-flying motion: where it starts, its steps in the core, and what it was.
-
-What cannot be flown is refused in one line. The core integrates by RK4 steps of given
-lengths.
-"""
+"""A free-flying motion: where it starts, its steps in the core, and what it was."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -165,12 +161,8 @@ def commanded(
 ) -> Float[np.ndarray, "steps 3 columns"]:
     """What moves a robot besides its own state, as the core's `Command` has it.
 
-    Args:
-        robot: that flies.
-        command: what the joints are told to do.
-        laws: of the joints and of the wheels.
-        nodes: start, middle and end of some steps, s.
-        wrenches: force and moment of each at the nodes, base axes, N and N m.
+    Nodes are start, middle and end of some steps, s, and wrenches each force and moment
+    there, base axes, N and N m. The laws are of the joints and of the wheels.
     """
     t, (joints, wheels) = nodes.ravel(), laws
     base = np.zeros((t.size, 10))
@@ -268,13 +260,9 @@ def integrate(
 ) -> FlightStates:
     """What is seen at the start of the wanted steps.
 
-    Args:
-        vehicle: what moves.
-        start: the first state `[r_cm, x_WB, q, q_rw, v]`.
-        nodes: start, middle and end of each step, s. The last step may have no length,
-            and shows the end.
-        command_at: what the vehicle is commanded at the nodes of some steps.
-        wanted: the steps to show.
+    The first state is `[r_cm, x_WB, q, q_rw, v]`. Nodes are start, middle and end of
+    each step, s; the last step may have no length, and shows the end. The vehicle is
+    commanded at the nodes of some steps at a time.
     """
     pieces, state = [], start
     for first in range(0, len(nodes), STEPS):

@@ -64,12 +64,8 @@ def integrate_attitude(
 ) -> tuple[Float[np.ndarray, "n 4"], float]:
     """The base's quaternion at the samples, and the estimate of its largest error, rad.
 
-    Args:
-        law: at the `step_nodes`.
-        h_cm: angular momentum about the system CM at the same nodes, inertial axes.
-        x_WB: attitude at the first sample.
-        t: sample times, s.
-        substeps: RK4 steps from one sample to the next, an even number.
+    The law and `h_cm`, about the system CM, inertial axes, are at the `step_nodes` of
+    the sample times, s. Steps of RK4 from one sample to the next are an even number.
     """
     x, apart = _core.attitudes(law.E, law.b, h_cm, x_WB, t, substeps)
     # Richardson: halving the step of RK4 divides its error by 16.
@@ -97,12 +93,8 @@ def float_attitude(
 ) -> AttitudeHistory:
     """Integrate with steps that are halved until the error is below `tolerance`.
 
-    Args:
-        law_at: the rate law at any times.
-        t: sample times, s.
-        h_cm: angular momentum about the system CM, inertial axes, N m s.
-        x_WB: attitude at the first sample.
-        tolerance: of the attitude, rad.
+    The law may be had at any times. Sample times are in s; `h_cm` is about the system
+    CM, inertial axes, N m s; `x_WB` is at the first sample, and the tolerance in rad.
 
     Raises:
         InputError: the base turns too fast for these sample times.
@@ -187,12 +179,8 @@ def free_floating(
 ) -> FreeFloating:
     """How the free-floating robot moves while its joints do as commanded.
 
-    Args:
-        robot: with its nominal inertia.
-        motion: what the joints do.
-        t: sample times, s.
-        start: the base and the wheels at `t[0]`.
-        tolerance: of the attitude, rad.
+    It starts at `t[0]`, s, with its nominal inertia; the tolerance is of the attitude,
+    rad.
 
     Raises:
         InputError: the base turns too fast for these sample times, or a planar robot

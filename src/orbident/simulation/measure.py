@@ -52,11 +52,7 @@ def accelerations(
 
     Known are the joints' accelerations and those of held wheels, which are zero; no
     motor drives the free ones. The CM's constant velocity is seen by no sensor here.
-
-    Args:
-        robot: the robot with its nominal inertia.
-        motion: the free-floating motion.
-        qdd: joint accelerations at its samples, rad/s^2 or m/s^2.
+    Those of the joints, `qdd`, are at the samples, rad/s^2 or m/s^2.
     """
     n, joints = motion.q.shape
     of_base, still = np.zeros((n, 3)), np.zeros_like(motion.qd_rw)
@@ -120,10 +116,7 @@ class Truth(NamedTuple):
 def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Truth:
     """The noise-free values of every sensor.
 
-    Args:
-        robot: with its nominal inertia.
-        motion: the free-floating motion.
-        trajectory: of the joints, in the robot's order.
+    The joints' trajectory is in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
     return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at)
@@ -132,8 +125,7 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
 def truth_of_flight(flight: FreeFlying) -> Truth:
     """The noise-free values of every sensor in free flight.
 
-    Args:
-        flight: wheels turn on from wherever they were; their angles count from here.
+    Wheels turn on from wherever they were; their angles count from here.
     """
     return _truth(flight, flight.q_rw - flight.q_rw[0], flight)
 
@@ -182,13 +174,8 @@ def measure_truth(
     always there, exact where there are no encoders. Rates of joints and speeds of
     wheels are there where the file declares a tachometer. Nothing shows passive joints.
     Every sensor draws from a stream of its own, so that none changes another's noise.
-
-    Args:
-        robot: with its sensors.
-        t: evenly spaced times, s: the rows.
-        true: at these times.
-        seed: of all random numbers.
-        truth: whether to add the noise-free `truth.*` columns.
+    The rows are at the times `t`, s, evenly spaced. With `truth` the noise-free
+    `truth.*` columns are there too.
 
     Raises:
         InputError: a sensor's parameters are not usable, its rate does not fit the

@@ -126,14 +126,10 @@ class ExternalForces:
     ) -> tuple[FlightStates, Path | None]:
         """Fly until what acts is that of the motion which it makes.
 
-        What acts changes motions little, so that each flight is far nearer than the
-        one before (Picard's iteration).
-
-        Args:
-            fly: a flight under given wrenches.
-            t: the starts of its steps, s.
-            path: a motion to begin with; without one, nothing acts on the first flight.
-            tolerance: of attitude, joints and position, rad or m.
+        What acts changes motions little, so that each flight is far nearer than the one
+        before (Picard's iteration). The steps start at `t`, s. Without a path to begin
+        with, nothing acts on the first flight. The tolerance is of attitude, joints and
+        position, rad or m.
 
         Returns:
             What was seen, and the path of it. Where it does not settle, the CM is not a
@@ -176,11 +172,7 @@ def outside_of(
 ) -> ExternalForces:
     """All that acts on a flight.
 
-    Args:
-        robot: that flies.
-        environment: what acts.
-        t: the rows of the flight, s; slow processes are drawn there.
-        seed: of these.
+    Slow processes are drawn by the seed, at the rows `t` of the flight, s.
 
     Raises:
         InputError: this robot cannot be acted on like that.
@@ -239,10 +231,7 @@ def arc_of(
 ) -> Arc | None:
     """The orbit during a flight: the environment's, or else the robot's; or none.
 
-    Args:
-        robot: perhaps with an orbit.
-        environment: perhaps with another one.
-        t: the rows of the flight, s after the epoch.
+    The rows of the flight are at `t`, s after the epoch.
 
     Raises:
         InputError: the orbit is not known then, or what is given needs one.

@@ -35,11 +35,8 @@ def stream(seed: int, name: str) -> np.random.Generator:
     """The random numbers of one sensor.
 
     A child of `SeedSequence(seed)` whose spawn key is the name, so that a sensor that
-    is added, removed or changed leaves every other one's numbers as they were.
-
-    Args:
-        seed: of the whole recording, zero or more.
-        name: of the sensor.
+    is added, removed or changed leaves every other one's numbers as they were. The seed
+    is that of the whole recording, zero or more.
 
     Raises:
         InputError: the seed is not a whole number of zero or more.
@@ -68,17 +65,9 @@ def bias_drift(
 
     `b_k = exp(-dt/T) b_{k-1} + s sqrt(1 - exp(-2 dt/T)) n_k`, `b_0 = 0` (IEEE 952,
     C.1.5). The Allan deviation peaks at `0.617 s`, at the averaging time 1.89 T. For
-    shorter times it rises as `sqrt(tau)`.
-
-    Args:
-        random: the sensor's stream.
-        shape: samples and axes.
-        std: `s`, rad/s or m/s^2.
-        correlation_time: T, s; infinite for a bias that stays.
-        dt: from one sample to the next, s.
-
-    Returns:
-        In the unit of `std`; zero at the first sample.
+    shorter times it rises as `sqrt(tau)`. Its shape is samples by axes, its unit that
+    of `std`, rad/s or m/s^2, and it is zero at the first sample. Samples are `dt`
+    apart, s; the correlation time, s, is infinite for a bias that stays.
     """
     # expm1: T may be long, and infinite.
     kick = std * np.sqrt(-np.expm1(-2 * dt / correlation_time))
@@ -99,16 +88,8 @@ def markov(
     """A stationary first-order Gauss-Markov process, at any increasing times.
 
     `x_0 ~ N(0, s^2)`, `x_k = a_k x_{k-1} + s sqrt(1 - a_k^2) n_k` with
-    `a_k = exp(-(t_k - t_{k-1}) / T)`: exact, however far apart the samples are.
-
-    Args:
-        random: the process's stream.
-        t: of the samples, s.
-        std: s, by axis.
-        correlation_time: T, by axis, s.
-
-    Returns:
-        In the unit of `std`.
+    `a_k = exp(-(t_k - t_{k-1}) / T)`: exact, however far apart the samples are. Each
+    axis has its own `s`, in the unit of the result, and `T`, in seconds as `t` is.
     """
     steps = np.diff(t)[:, None] / correlation_time
     kicks = gaussian(random, (t.size, std.size), 1.0) * std
@@ -128,10 +109,7 @@ def random_walk(
 ) -> Float[np.ndarray, "n axes"]:
     """A random walk, `var(x(t)) = q^2 (t - t_0)`, at any increasing times.
 
-    Args:
-        random: the process's stream.
-        t: of the samples, s.
-        density: q, by axis, in its unit per square root of a second.
+    Times are in s, and q, by axis, is in its unit per square root of a second.
     """
     steps = np.sqrt(np.diff(t, prepend=t[:1]))[:, None] * density
     return np.cumsum(steps * gaussian(random, steps.shape, 1.0), axis=0)
@@ -171,15 +149,8 @@ def sensor_columns(
 ) -> Float[np.ndarray, "rows axes"]:
     """The columns of a recording of a sensor that samples evenly, on every k-th row.
 
-    Args:
-        sensor: its rate, latency and drop-outs.
-        t: times of the rows, evenly spaced, s.
-        true: the noise-free values at the rows.
-        random: the sensor's stream.
-        read: what it shows at a row.
-
-    Returns:
-        The samples; NaN on rows without one.
+    Rows are at the times `t`, evenly spaced, s; the true values are without noise.
+    Samples are NaN on rows without one.
 
     Raises:
         InputError: the rows are not evenly spaced, or the rate is not theirs divided
@@ -234,15 +205,10 @@ def read_inertial(
 ) -> Float[np.ndarray, "n 3"]:
     """What three orthogonal axes show, nominally the base's, as means over `dt`.
 
-    `shown = (1 + scale) (R_BS^T true) + constant_bias + turn_on + drift(t) + white`,
-    by axis, `R_BS = exp [misalignment]x`, `turn_on ~ N(0, turn_on_bias^2)`, which is
-    the bias instability where it is not declared.
-
-    Args:
-        sensor: what is declared of it.
-        true: means over the `dt` seconds before each sample, rad/s or m/s^2.
-        dt: from one sample to the next, s.
-        random: the sensor's stream.
+    `shown = (1 + scale) (R_BS^T true) + constant_bias + turn_on + drift(t) + white`, by
+    axis, `R_BS = exp [misalignment]x`, `turn_on ~ N(0, turn_on_bias^2)`, which is the
+    bias instability where it is not declared. The true values are means over the `dt`
+    seconds before each sample, rad/s or m/s^2.
     """
     white, turn_on, drift = random.spawn(3)
     start = sensor.turn_on_bias
@@ -265,11 +231,8 @@ def read_increments(
 ) -> Float[np.ndarray, "n 3"]:
     """Velocity increments since the sample before, m/s; NaN for the first.
 
-    Args:
-        sensor: what is declared of it.
-        true: attitude (quaternion) and velocity of S (inertial axes, m/s).
-        dt: from one sample to the next, s.
-        random: the sensor's stream.
+    The true values, `dt` seconds apart, are attitude (quaternion) and velocity of S,
+    inertial axes, m/s.
     """
     mean_force = velocity_increments(true[:, :4], true[:, 4:]) / dt
     return dt * read_inertial(sensor, mean_force, dt, random)
@@ -281,14 +244,8 @@ def velocity_increments(
     """What S's velocity changed by since the sample before, in the base axes of then.
 
     `R_0(t_{k-1}) dv_k = v_S(t_k) - v_S(t_{k-1})`, exactly: the increments of a unit
-    that corrects for its own turning in between (sculling).
-
-    Args:
-        x_WB: attitude of the base.
-        v_S: velocity of S, inertial axes, m/s.
-
-    Returns:
-        m/s; NaN for the first sample, which has none before it.
+    that corrects for its own turning in between (sculling), m/s. It is NaN for the
+    first sample, which has none before it. The velocity of S is in inertial axes, m/s.
     """
     change = rotate_back(quaternion_matrix(x_WB[:-1]), np.diff(v_S, axis=0))
     return np.concatenate([np.full((1, 3), np.nan), change])

@@ -1,7 +1,4 @@
-"""What a trajectory is at even times: as it is recorded, and as it is to be followed.
-
-The recording of a free-floating manoeuvre is by ideal or by real sensors.
-"""
+"""What a trajectory is at even times: as it is recorded, and as it is to be flown."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -105,12 +102,7 @@ def made_along(
 ) -> Made:
     """The motion along a trajectory, in its environment if it has one.
 
-    Args:
-        robot: with its nominal inertia.
-        trajectory: of the joints, which do exactly that.
-        rate: samples per second.
-        tolerance: of the motion, rad or m.
-        seed: of what is random of the environment.
+    Arguments are those of `simulate`; the tolerance is of the motion, rad or m.
 
     Raises:
         InputError: as `float_along` and `fly_along`.
@@ -147,11 +139,7 @@ def float_along(
 ) -> FreeFloating:
     """The free-floating motion along a trajectory, from its initial state.
 
-    Args:
-        robot: with its nominal inertia.
-        trajectory: of the joints, with the initial state of base and wheels.
-        rate: samples per second.
-        tolerance: of the attitude, rad.
+    Arguments are those of `simulate`.
 
     Raises:
         InputError: the trajectory is not for this robot's joints and wheels, its mass
@@ -175,12 +163,8 @@ def fly_along(
 ) -> FreeFlying:
     """The motion along a trajectory, from its initial state, as its environment acts.
 
-    Args:
-        robot: with its nominal inertia.
-        trajectory: of the joints, which do exactly that.
-        rate: samples per second.
-        tolerance: of attitude, joints and position, rad or m.
-        seed: of what is random of the environment.
+    Arguments are those of `simulate`; the tolerance is of attitude, joints and
+    position, rad or m.
 
     Raises:
         InputError: as `float_along`, or the environment is not one of this robot.
@@ -274,9 +258,7 @@ class SampledTrajectory(NamedTuple):
 def sampled(trajectory: Trajectory, rate: float) -> SampledTrajectory:
     """Samples at an even rate, and one at the end.
 
-    Args:
-        trajectory: what to sample.
-        rate: Hz.
+    The rate is in Hz.
 
     Raises:
         InputError: the rate is not positive, or gives too few or too many samples.

@@ -126,9 +126,8 @@ class ControlStudy(StudyRuns):
 def run_control(noise: StudyNoise = "none", runs: SeedRuns = ONE_RUN) -> ControlStudy:
     """Identify, then track with the CAD model and with the identified one.
 
-    Args:
-        noise: of the recording; `"paper"` for Section 3.5's.
-        runs: each seed has a CAD model and sensors of its own.
+    The noise is that of the recording. Each seed has a CAD model and sensors of its
+    own.
 
     Raises:
         InputError: there are no seeds.
@@ -185,11 +184,7 @@ def off_by(robot: Robot, error: float, seed: int) -> Robot:
     """The robot with each mass, first moment and central inertia too large or small.
 
     About their CMs, so that bodies stay what can exist, as those of a CAD model are.
-
-    Args:
-        robot: the true one.
-        error: relative, of each.
-        seed: of the signs.
+    The error is relative, of each; the seed is that of the signs.
     """
     signs = np.random.default_rng(seed).choice([-1.0, 1.0], (len(robot.bodies), 3))
     bodies = []

@@ -63,11 +63,7 @@ class DemoFlights:
 
 
 def fly_demo(seed: int = 0) -> DemoFlights:
-    """Draws the robot that flies, and flies it twice.
-
-    Args:
-        seed: of its inertia, of errors and noise of its instruments, and of the torque.
-    """
+    """Draws the robot that flies, and flies it twice."""
     robot = spatial_robot()
     said = {key: x for key, x in robot.document.items() if key not in UNSAID}
     usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, (), robot.name)

@@ -1,13 +1,4 @@
-"""The paper's method: linear fits of signals that were filtered beforehand.
-
-The low-pass filters of a study: cut off where the first recording's spectra say.
-
-Regressors' inputs from encoders and an IMU, the paper's way (Sections 3.5 and 4).
-
-Inputs of regressors from encoders and motion capture (the paper's Section 5.3).
-
-The mass as the paper has it: Eq. 40 from the slopes of one axis of a position.
-"""
+"""The paper's method: linear fits of signals that were filtered beforehand."""
 
 import time
 from dataclasses import dataclass, field
@@ -60,10 +51,7 @@ class Filters:
     ) -> Float[np.ndarray, " n"]:
         """Samples without their noise.
 
-        Args:
-            t: times, evenly spaced, s.
-            x: any unit, without gaps.
-            name: of the signal.
+        Times are evenly spaced, s; samples are in any unit, without gaps.
 
         Raises:
             InputError: there are gaps, or the samples are not evenly spaced.
@@ -109,11 +97,8 @@ def from_imu(
 ) -> Recording:
     """Encoders differentiated; attitude and velocity of S by integration.
 
-    Args:
-        robot: whose joints and wheels were recorded.
-        recording: joint and wheel positions, gyro and accelerometer, evenly sampled.
-        initial: attitude of the base and velocity of S at the first sample.
-        filters: of encoders and gyro.
+    Recorded are joint and wheel positions, gyro and accelerometer, evenly sampled; the
+    initial state has attitude of the base and velocity of S at the first sample.
 
     Raises:
         InputError: a column is missing or has gaps, or the samples are not evenly
@@ -135,13 +120,9 @@ def from_imu(
 def from_mocap(robot: Robot, recording: Recording, filters: Filters) -> Recording:
     """Rates of everything by differentiation, in the plane.
 
-    The paper filters what motion capture gives only after it is differentiated. The
-    two may change places but for the ends of the record.
-
-    Args:
-        robot: whose joints and wheels were recorded; it moves in the plane.
-        recording: joint and wheel positions, attitude and position, evenly sampled.
-        filters: of encoders and motion capture.
+    The paper filters what motion capture gives only after it is differentiated. The two
+    may change places but for the ends of the record. Recorded are joint and wheel
+    positions, attitude and position, evenly sampled.
 
     Raises:
         InputError: a column is missing or has gaps, or the samples are not evenly
@@ -166,8 +147,7 @@ def from_mocap(robot: Robot, recording: Recording, filters: Filters) -> Recordin
 def yaw_of(x_WB: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, " n"]:
     """How far the base has turned about z, over full turns, rad.
 
-    Args:
-        x_WB: unit quaternions about z, of either sign, scalar last.
+    Unit quaternions are about z, of either sign, scalar last.
     """
     # Twice the half angle, which a quaternion and its negative see pi apart.
     return 2 * np.unwrap(np.arctan2(x_WB[:, 2], x_WB[:, 3]), period=np.pi)
@@ -180,11 +160,6 @@ def paper_method(
 
     Filtered signals are no sensor's any more, so the result is not judged by what
     sensors show: a study knows the truth.
-
-    Args:
-        robot: geometry, wheels and structure.
-        recording: of filtered signals.
-        initial_momentum: as `identify` has it.
     """
     started = time.perf_counter()
     solved = paper_fits(robot, recording, initial_momentum)
@@ -201,13 +176,7 @@ def paper_fits(
 
 
 def judged(solved: Solved, method: str, elapsed: float = 0.0) -> Result:
-    """The result of an estimate.
-
-    Args:
-        solved: the estimate and its problem.
-        method: its name.
-        elapsed: the time that it took, s.
-    """
+    """The result of an estimate by a method, which took the elapsed time, s."""
     masses = dict(solved.estimate.masses)
     judgement = judge(solved, masses)
     return result_of(
@@ -222,8 +191,7 @@ STRETCH = 1.0
 def mass_by_slopes(burn: Recording) -> float:
     """`M = F dt / (v_2 - v_1)` along y (Eq. 40), kg.
 
-    Args:
-        burn: Section 5.5's, attitude held; position of S, m.
+    The burn is that of Section 5.5, with the attitude held; the position of S is in m.
     """
     t, y = burn.t, burn.column("position.y")
     on, off = paper_tables.BURN_START, paper_tables.BURN_START + paper_tables.BURN_LASTS
@@ -261,12 +229,7 @@ class PaperParameters(NamedTuple):
 
 
 def condition_in_basis(basis: PaperBasis, result: Result) -> dict[str, float]:
-    """Condition numbers of a result's regressors, in the paper's parameters.
-
-    Args:
-        basis: the paper's.
-        result: that has its linear fits.
-    """
+    """Condition numbers of a result's regressors, in the paper's parameters."""
     assert result.fits is not None
     pi, phi = result.fits.pi.factor, result.fits.phi.factor
     Y = condition_numbers(pi @ np.linalg.inv(basis.pi_of_pi))

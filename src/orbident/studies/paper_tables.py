@@ -1,7 +1,4 @@
-"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them.
-
-The paper's two robots and their motions; a study's parameters beside its numbers.
-"""
+"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -140,17 +137,9 @@ class PaperRow:
 
     def to_json(self) -> dict[str, Any]:
         """As `study --json` gives it."""
-        return {
-            "name": self.name,
-            "paper_true": self.paper_true,
-            "paper_error_percent": self.paper_error_percent,
-            "true": self.true,
-            "estimate": nulled(self.estimate),
-            "error_percent": nulled(self.error_percent),
-            "rms_error_percent": nulled(self.rms_error_percent),
-            "worst_error_percent": nulled(self.worst_error_percent),
-            "cramer_rao_percent": nulled(self.cramer_rao_percent),
-        }
+        numbers = {**vars(self), "error_percent": self.error_percent}
+        del numbers["name"]
+        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
 
 
 def spatial_robot() -> Robot:
@@ -160,25 +149,17 @@ def spatial_robot() -> Robot:
 
 def spatial_trajectory(robot: Robot) -> Trajectory:
     """Table 2's exciting trajectory with Table 3's initial conditions."""
-    at_rest = np.zeros((len(robot.joints), 3))
     speeds = {
         wheel.name: momentum / wheel.inertia
         for wheel, momentum in zip(robot.wheels, SPATIAL_WHEEL_MOMENTUM, strict=True)
     }
-    return Trajectory(
-        duration=SPATIAL_DURATION,
-        joints=robot.joint_names,
-        a=np.array(SPATIAL_A),
-        b=np.array(SPATIAL_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(
-            angular_velocity=np.array(SPATIAL_ANGULAR_VELOCITY),
-            attitude=np.array(SPATIAL_ATTITUDE),
-            wheel_speed=speeds,
-        ),
-        source="Table 2",
+    initial = InitialState(
+        angular_velocity=np.array(SPATIAL_ANGULAR_VELOCITY),
+        attitude=np.array(SPATIAL_ATTITUDE),
+        wheel_speed=speeds,
     )
+    series = np.array(SPATIAL_A), np.array(SPATIAL_B)
+    return _exciting(robot, SPATIAL_DURATION, series, initial, "Table 2")
 
 
 def planar_robot() -> Robot:
@@ -188,15 +169,19 @@ def planar_robot() -> Robot:
 
 def planar_trajectory(robot: Robot) -> Trajectory:
     """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
-    at_rest = np.zeros((len(robot.joints), 3))
     speeds = dict.fromkeys(robot.wheel_names, PLANAR_WHEEL_SPEED)
-    return Trajectory(
-        duration=PLANAR_DURATION,
-        joints=robot.joint_names,
-        a=np.array(PLANAR_A),
-        b=np.array(PLANAR_B),
-        start=at_rest,
-        end=at_rest,
-        initial=InitialState(wheel_speed=speeds),
-        source="Table 5",
-    )
+    initial = InitialState(wheel_speed=speeds)
+    series = np.array(PLANAR_A), np.array(PLANAR_B)
+    return _exciting(robot, PLANAR_DURATION, series, initial, "Table 5")
+
+
+def _exciting(
+    robot: Robot,
+    duration: float,
+    series: tuple[np.ndarray, np.ndarray],
+    initial: InitialState,
+    source: str,
+) -> Trajectory:
+    """A motion from rest to rest with the Fourier series `a` and `b`."""
+    rest, joints = np.zeros((len(robot.joints), 3)), robot.joint_names
+    return Trajectory(duration, joints, *series, rest, rest, initial, source=source)

@@ -98,12 +98,7 @@ def burn_pulses(robot: Robot) -> tuple[Pulse, ...]:
 
 
 def ideal_record(robot: Robot, flight: FreeFlying) -> Recording:
-    """As ideal sensors of everything would have recorded it.
-
-    Args:
-        robot: that flew.
-        flight: at the times of the rows.
-    """
+    """As ideal sensors of everything would have recorded it."""
     columns = truth_of_flight(flight).columns(robot) | _thrust(flight)
     return Recording(flight.t, columns, source=f"flight of {robot.name}")
 
@@ -111,10 +106,7 @@ def ideal_record(robot: Robot, flight: FreeFlying) -> Recording:
 def measured_record(robot: Robot, flight: FreeFlying, seed: int) -> Recording:
     """As the sensors of the robot's file recorded it.
 
-    Args:
-        robot: that flew, with its sensors.
-        flight: at the times of the rows, evenly spaced.
-        seed: of the sensors' noise.
+    The rows are at the flight's times, evenly spaced.
 
     Raises:
         InputError: a sensor cannot sample at these times.
@@ -156,12 +148,7 @@ class Flights(NamedTuple):
 
 
 def fly_planar(robot: Robot, trajectory: Trajectory) -> Flights:
-    """All flights of Section 5.
-
-    Args:
-        robot: `planar_robot`.
-        trajectory: `planar_trajectory`.
-    """
+    """All flights of Section 5."""
     swing = validation_command()
     leading = _times(-LEAD_IN, 0.0)
     q_d, _, _ = swing.at(leading[:1])
@@ -293,12 +280,7 @@ def run_noisy(
 ) -> PlanarRun:
     """Run with the sensors of the robot's file; each recording has a noise of its own.
 
-    Args:
-        robot: the robot that flew.
-        flights: all flights of Section 5.
-        filters: the filters of the paper's method.
-        seed: the seed of the three recordings' noise.
-        method: the method of `identify`, which takes the recordings unfiltered.
+    The method is one of `identify`, which takes the recordings unfiltered.
     """
     seeds = (len(flights) * seed + k for k in range(len(flights)))
     records = Records(

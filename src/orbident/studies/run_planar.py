@@ -1,7 +1,4 @@
-"""Section 5, run: Table 6, the burn, and the validation, without noise and with it.
-
-The data of the paper's Figs. 6 to 13, as columns with units.
-"""
+"""Section 5, run: Table 6, the burn, and the validation, without noise and with it."""
 
 import time
 from collections.abc import Mapping
@@ -177,12 +174,9 @@ def run_planar(
 ) -> PlanarStudy:
     """Fly, identify by Eqs. 24 and 31, weigh by Eq. 40, predict Eq. 47's run.
 
-    Args:
-        noise: `"paper"` adds the noise of encoders and motion capture. The robot is
-            then identified twice: by the paper's method, which filters signals first,
-            and by `method`, which takes them unfiltered.
-        runs: with noise; the flights are the same.
-        method: of `identify`; with ideal sensors there is no other.
+    With the noise of `"paper"`, that of encoders and motion capture, the robot is
+    identified twice: by the paper's method, which filters signals first, and by a
+    method of `identify`, which takes them unfiltered. All runs have the same flights.
 
     Raises:
         InputError: there are no seeds.
@@ -279,9 +273,7 @@ class Measured(NamedTuple):
 def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
     """The figures by name, `fig06` to `fig13`, of the first way to read a run.
 
-    Args:
-        robot: the robot that flew.
-        run: one seed; without figures where its result predicts nothing.
+    There are none where its result predicts nothing.
     """
     reading, burn = next(iter(run.readings.values())), run.records.burn
     if reading.scores is None:
@@ -323,10 +315,6 @@ def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
 
 def write_figures(figures: Mapping[str, PaperFigure], folder: Path) -> None:
     """Each as a CSV file, one column a curve.
-
-    Args:
-        figures: by name.
-        folder: that exists.
 
     Raises:
         InputError: no permission.

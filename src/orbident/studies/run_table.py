@@ -114,11 +114,7 @@ def table_environment(robot: Robot) -> Environment:
 
 
 def table_motions(robot: Robot) -> tuple[Trajectory, Trajectory]:
-    """Table 5's motion and the one designed for a table, with what acts.
-
-    Args:
-        robot: `table_robot`.
-    """
+    """Table 5's motion and the one designed for a table, with what acts."""
     environment = table_environment(robot)
     motions = planar_trajectory(robot), load_trajectory(DESIGNED).for_robot(robot)
     paper, ours = (replace(each, environment=environment) for each in motions)
@@ -128,9 +124,7 @@ def table_motions(robot: Robot) -> tuple[Trajectory, Trajectory]:
 def truly_acting(robot: Robot, motion: Trajectory) -> dict[str, float]:
     """What a result may call a disturbance, by its name; SI.
 
-    Args:
-        robot: `table_robot`.
-        motion: the result's `uneven` is zero where the CM is at its start.
+    The result's `uneven` is zero where the CM is at the start of the motion.
     """
     xx, xy, yy = UNEVEN["xx"], UNEVEN["xy"], UNEVEN["yy"]
     x, y, _ = inertia_at(robot, motion.start[:, 0]).r_cm
@@ -147,13 +141,7 @@ def truly_acting(robot: Robot, motion: Trajectory) -> dict[str, float]:
 
 
 def fly_table(robot: Robot, trajectory: Trajectory, seed: int = 0) -> FreeFlying:
-    """Fly from rest: the wheel spins up, then the arm moves.
-
-    Args:
-        robot: `table_robot`.
-        trajectory: of `table_motions`.
-        seed: of the slow torque.
-    """
+    """Fly from rest: the wheel spins up, then the arm moves."""
     rate = robot.sensors.rows_per_second
     t = np.arange(round((SPIN_UP + trajectory.duration) * rate) + 1) / rate
     still = BaseState(np.zeros(3), UNTURNED, np.zeros(3), np.zeros(1))
@@ -305,9 +293,7 @@ class TableStudy(StudyRuns):
 def run_table(runs: SeedRuns = ONE_RUN) -> TableStudy:
     """Fly both motions with each seed, and read their recordings.
 
-    Args:
-        runs: each with another slow torque, and other noise of encoders and motion
-            capture.
+    Each seed has another slow torque, and other noise of encoders and motion capture.
 
     Raises:
         InputError: there are no seeds.

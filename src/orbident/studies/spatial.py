@@ -1,8 +1,4 @@
-"""Section 4: the spatial three-joint servicer, from Table 1 to Table 4.
-
-Whether an installation works: the paper's robot, simulated and identified. Under which
-conditions the paper designed its two exciting trajectories.
-"""
+"""Section 4: the spatial three-joint servicer, from Table 1 to Table 4."""
 
 import time
 from collections.abc import Mapping
@@ -194,12 +190,9 @@ def run_spatial(
 ) -> SpatialStudy:
     """Simulate, identify by Eqs. 24 and 31, compare with Table 4.
 
-    Args:
-        noise: `"paper"` for Section 3.5's.
-        runs: with noise.
-        method: `"paper"` filters the recordings and solves Eq. 24 with the first sample
-            subtracted. Every other one is a method of `identify`, which takes the
-            recordings unfiltered.
+    The noise of `"paper"` is Section 3.5's. The method `"paper"` filters the recordings
+    and solves Eq. 24 with the first sample subtracted; every other one is a method of
+    `identify`, which takes the recordings unfiltered.
 
     Raises:
         InputError: there are no seeds.

@@ -215,11 +215,7 @@ def _beside_paper(
 ) -> DataTable:
     """The paper's numbers and ours, without columns in which nothing stands.
 
-    Args:
-        title: with the units.
-        rows: of a table of the paper.
-        paper: what its numbers are.
-        form: of these numbers, as it prints them.
+    The paper's numbers are what `paper` says, in the form in which it prints them.
     """
     head = (
         *("parameter", f"paper: {paper}", "paper: error (%)", "true", "estimate"),

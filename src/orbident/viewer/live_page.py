@@ -29,8 +29,7 @@ class LivePage:
     def __init__(self, first: dict[str, Any]) -> None:
         """Listen at a free port.
 
-        Args:
-            first: what every page is told first: names, and what is believed before.
+        Every page is told first: names, and what is believed before.
         """
         self._first = json.dumps(first)
         self._events: deque[str] = deque(maxlen=KEPT)

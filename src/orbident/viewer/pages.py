@@ -1,8 +1,4 @@
-"""Pages: joints moved by hand with a base that answers, or a motion that is played.
-
-Beside a motion stand what the identified model and CAD predicted. Which page belongs to
-what the user names is decided here too.
-"""
+"""Pages: joints moved by hand with a base that answers, or a motion that is played."""
 
 from collections.abc import Callable
 from functools import partial
@@ -51,11 +47,7 @@ class SlidersPage:
     def __init__(self, server: Any, scene: Scene, model: Robot, title: str):
         """Show the robot with its joints at zero, or as near as they get.
 
-        Args:
-            server: viser's, with an empty page.
-            scene: of the robot.
-            model: the same robot, with the inertia that decides.
-            title: what is shown, in words.
+        The model is the same robot, with the inertia that decides.
         """
         self._scene, self._model = scene, model
         self._robot = DrawnRobot(server, "/robot", scene)
@@ -159,14 +151,7 @@ class ReplayPage:
     """The measured robot, the predicted ones as ghosts, momentum, and plots."""
 
     def __init__(self, server: Any, scene: Scene, replay: Replay, title: str):
-        """Show the first time.
-
-        Args:
-            server: viser's, with an empty page.
-            scene: of the robot.
-            replay: what it did.
-            title: what is shown, in words.
-        """
+        """Show the first time."""
         measured = replay.measured.thinned(MOST_TIMES)
         predicted = replay.predicted and replay.predicted.thinned(MOST_TIMES)
         slowed = slow_motion(measured)
@@ -373,9 +358,7 @@ class Prepared(NamedTuple):
 def prepared(named: str, recording: Path | None) -> Prepared:
     """The page for a robot or a RUN.
 
-    Args:
-        named: a bundled name, a URDF, a robot file, or a RUN folder.
-        recording: to be replayed; without one the joints have sliders.
+    Without a recording the joints have sliders.
 
     Raises:
         InputError: what is named cannot be read; the recording lacks what a replay

@@ -52,9 +52,7 @@ class Gate:
     def at(cls, host: str, bound: str) -> "Gate":
         """The gate of a viewer that listens there.
 
-        Args:
-            host: as the user gave it.
-            bound: the numeric address that it means.
+        The host, as the user gave it, means the numeric address that is bound.
         """
         address = ipaddress.ip_address(bound)
         if address.is_unspecified:
@@ -83,13 +81,9 @@ class Gate:
         """Whether a request comes from a page of this viewer, or leads to one.
 
         `Host` must be one of the names with the port. `Origin` must be the same
-        address; only a plain request for the page may come without it.
-
-        Args:
-            port: at which the request arrived.
-            hosts: every `Host` header of it.
-            origins: every `Origin` header of it.
-            plain: whether it asks for a page, not for a websocket.
+        address; only a plain request for the page may come without it. All `Host` and
+        `Origin` headers are given. A plain request asks for a page, not for a
+        websocket.
         """
         if len(hosts) != 1 or not self._is_called(hosts[0].lower(), port):
             return False
@@ -220,9 +214,7 @@ class Served(NamedTuple):
 def open_server(host: str, port: int) -> Served:
     """Serve an empty page to those whom the gate admits.
 
-    Args:
-        host: address of this machine to listen at.
-        port: of it; 0 for any that is free.
+    The host is an address of this machine, and port 0 any that is free.
 
     Raises:
         InputError: viser is not installed, the host is no address of this machine, or

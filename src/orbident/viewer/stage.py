@@ -1,8 +1,4 @@
-"""What a page shows: the robot of a scene, what stands around it, and plots beside it.
-
-Around it are floor, light and camera, the system CM and the momentum vectors at it.
-Plots over time have a line where the page is.
-"""
+"""What a page shows: the robot of a scene, what is around it, and plots beside it."""
 
 import html
 from collections.abc import Iterable, Mapping, Sequence
@@ -33,11 +29,7 @@ class Floor:
     ):
         """Set it up for a robot that stands there so.
 
-        Args:
-            server: viser's.
-            scene: of the robot.
-            R: of its frames, page axes.
-            p: of its frames, m.
+        Its frames are at `R` and `p`, page axes, m.
         """
         planar = scene.robot.motion == "planar"
         points = np.vstack(
@@ -69,13 +61,7 @@ class Floor:
 
 
 def heading(server: Any, title: str, *lines: str) -> None:
-    """A title and some lines in the panel, shown as they are.
-
-    Args:
-        server: viser's.
-        title: the first line; names may be as long as they like.
-        lines: below it.
-    """
+    """A title and some lines in the panel, shown as they are."""
     words = "".join(f"<div>{html.escape(line)}</div>" for line in lines)
     server.gui.add_html(
         '<div style="padding:0.5em 1em;font-size:0.85em;overflow-wrap:anywhere;'
@@ -91,11 +77,7 @@ class DrawnRobot:
     ):
         """Draw it, with all frames at the origin.
 
-        Args:
-            server: viser's.
-            name: of the node above all frames, unlike every other one's.
-            scene: what to draw.
-            ghost: its one colour, if it is to be transparent.
+        A ghost has one colour, and is transparent. No other node has its name.
         """
         self._server = server
         self._root = server.scene.add_frame(name, show_axes=False)
@@ -152,12 +134,7 @@ class Ellipsoid:
     ):
         """Draw a ball of radius 1, which is stretched.
 
-        Args:
-            server: viser's.
-            name: of the node, unlike every other one's.
-            inertia: over time, inertial frame.
-            colour: of it; it is transparent.
-            wireframe: whether it is a net.
+        The inertia is over time, inertial frame; a wireframe is a net.
         """
         self._inertia = inertia
         self._x = Rotation.from_matrix(inertia.R).as_quat(scalar_first=True)
@@ -195,10 +172,8 @@ class Arrows:
     def __init__(self, server: Any, momentum: CentroidalMomentum, size: float):
         """Nothing is drawn yet.
 
-        Args:
-            server: viser's.
-            momentum: over time, inertial axes.
-            size: how far the robot reaches, m.
+        The momentum is over time, inertial axes; the size is how far the robot reaches,
+        m.
         """
         self._size, self._cm = size, momentum.r_cm
         angular = [momentum.h_rs + momentum.h_rw, momentum.h_rs, momentum.h_rw]
@@ -267,9 +242,7 @@ class Trails:
     def __init__(self, server: Any, paths: Mapping[str, Float[np.ndarray, "n 3"]]):
         """Nothing is drawn yet.
 
-        Args:
-            server: viser's.
-            paths: of points by their names, inertial frame, m.
+        Paths of points are by their names, inertial frame, m.
         """
         self._paths = tuple(paths.values())
         n = len(self._paths[0])
@@ -324,13 +297,8 @@ class Plot:
     ):
         """Draw it below what is in the panel.
 
-        Args:
-            server: viser's.
-            title: with the unit.
-            t: times, s.
-            curves: one a column.
-            names: of the curves.
-            dashed: the same, predicted.
+        The title has the unit, times are in s, and each column is a curve; dashed are
+        those that were predicted.
         """
         self.title = title
         columns = curves if dashed is None else np.hstack([curves, dashed])

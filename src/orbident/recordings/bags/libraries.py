@@ -1,5 +1,7 @@
 """The optional libraries that read and write bags; nothing else imports them."""
 
+# ruff: noqa: F401
+
 from orbident.extras import extra
 
 with extra("ros", "reading or writing a bag"):
@@ -17,25 +19,3 @@ with extra("ros", "reading or writing a bag"):
     from rosbags.rosbag2 import Reader as Ros2Reader
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     from rosbags.typesys.store import Typestore
-
-__all__ = [
-    "McapChannel",
-    "McapEnd",
-    "McapIndex",
-    "McapSchema",
-    "McapStream",
-    "McapWriter",
-    "MessageDefinition",
-    "MessageDefinitionFormat",
-    "Ros1Header",
-    "Ros1Reader",
-    "Ros1Record",
-    "Ros2Reader",
-    "Stores",
-    "TopicInfo",
-    "Typestore",
-    "get_types_from_msg",
-    "get_typestore",
-    "read_bytes",
-    "read_uint32",
-]

@@ -44,9 +44,6 @@ class Topic:
 
         The bag's own definition of the type is used, else ROS's.
 
-        Args:
-            place: the bag, for messages.
-
         Raises:
             InputError: the encoding is none of ROS, or the definition cannot be read.
         """

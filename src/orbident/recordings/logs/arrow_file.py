@@ -1,7 +1,4 @@
-"""Tables of Parquet and of text, with columns of any names.
-
-Text is one table a file, or one signal a file.
-"""
+"""Tables of Parquet and of text: one table a file, or one signal a file."""
 
 import os
 import re
@@ -49,11 +46,8 @@ def fields_of(
 ) -> Tree:
     """Columns by their names.
 
-    Args:
-        columns: of a table.
-        names: of the columns; blanks at their ends do not count.
-        units: of the columns; empty where the file tells none.
-        place: the file, for messages.
+    Blanks at the ends of a name do not count; a unit is empty where the file tells
+    none.
 
     Raises:
         InputError: a name is given twice.

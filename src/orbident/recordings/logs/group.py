@@ -72,14 +72,7 @@ def field_of(
     read: Callable[[], Any],
     unit: str = "",
 ) -> LogField | Tree:
-    """An array as a field; records are structs.
-
-    Args:
-        shape: of the array.
-        dtype: of its elements.
-        read: what gives the array.
-        unit: as the file has it.
-    """
+    """An array, which `read` gives, as a field; records are structs."""
     if dtype.names:
         return {
             name: field_of(
@@ -168,9 +161,6 @@ class Group:
     def column(self, name: str) -> np.ndarray:
         """One number a sample; `name.k` is column k, from 0, of a field with several.
 
-        Args:
-            name: of the field.
-
         Raises:
             InputError: it is missing, holds no numbers, is damaged, or has columns
                 although none is named.
@@ -230,10 +220,6 @@ def groups(tree: Tree, place: str) -> dict[str, Group]:
 
     The fields of a struct without a time belong to the group that it is in, under
     their path: `arm.q1`.
-
-    Args:
-        tree: of a file.
-        place: the file, for messages.
     """
     found: dict[str, dict[str, LogField]] = {"/": {}}
 

@@ -4,9 +4,11 @@ NumPy's .npz files are such files too, as one saves what Basilisk's recorders ho
 nothing pickled is read.
 """
 
+import io
+import struct
 import zipfile
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.extras import extra
 from orbident.files.names import one_line, quoted
 from orbident.recordings.logs.arrow_file import (
     SUFFIXES,
@@ -22,11 +25,17 @@ from orbident.recordings.logs.arrow_file import (
     read_text_table,
     text_tables_in,
 )
-from orbident.recordings.logs.group import LogField, Tree, field_of, groups, unusable
+from orbident.recordings.logs.group import (
+    LogField,
+    Tree,
+    field_of,
+    groups,
+    in_memory,
+    unusable,
+)
 from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
 from orbident.recordings.logs.hdf5_file import read_hdf5
 from orbident.recordings.logs.mat5 import read_mat
-from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
 from orbident.recordings.source import RawMessage, Source
 
 _PICKLED = (
@@ -64,6 +73,66 @@ def _field(arrays: Any, name: str) -> LogField | Tree:
     return field_of(shape, dtype, lambda: arrays[name], unit)
 
 
+_ULOG_MAGIC = b"ULog\x01\x12\x35"
+_ULOG_VERSIONS = (b"\x00", b"\x01")
+_ULOG_HEADER_BYTES = 16
+"""Magic, version, and a time."""
+
+
+def read_ulog(path: Path, stack: ExitStack) -> Tree:
+    """Topics of a PX4 log; the second instance of one is `name.1`, `x[0]` is `x.0`.
+
+    Raises:
+        InputError: Another version, or damage in the middle.
+        MissingLibraryError: pyulog is not installed.
+    """
+    del stack
+    with extra("ulog", "reading a PX4 log"):
+        from pyulog import ULog
+    with path.open("rb") as file:
+        version = file.read(_ULOG_HEADER_BYTES)[7:8]
+    if version not in _ULOG_VERSIONS:
+        raise InputError(
+            f"{path}: is a ULog of version {version[0] if version else 'none'}, but "
+            "only version 1 is known; record with PX4 1.4 or later"
+        )
+    # The library prints what it finds odd.
+    with redirect_stdout(io.StringIO()):
+        log = ULog(str(path))
+    if log.file_corruption:
+        raise InputError(f"{path}: is damaged; copy it again from the vehicle")
+    return {_topic(each): _of_topic(each.data) for each in log.data_list}
+
+
+def _topic(dataset: object) -> str:
+    name, instance = vars(dataset)["name"], vars(dataset)["multi_id"]
+    return f"{name}.{instance}" if instance else name
+
+
+def _of_topic(data: dict) -> Tree:
+    fields: dict[str, LogField | Tree] = {}
+    for name, values in data.items():
+        unit = "us" if name == "timestamp" else ""
+        fields[name.replace("[", ".").replace("]", "")] = in_memory(values, unit)
+    return fields
+
+
+def _cut_off(path: Path) -> tuple[str, ...]:
+    """A warning if the file ends within a message, as it does when power is lost."""
+    size, at = path.stat().st_size, _ULOG_HEADER_BYTES
+    with path.open("rb") as file:
+        # From message to message: each says its length.
+        while at + 3 <= size:
+            file.seek(at)
+            at += 3 + struct.unpack("<H", file.read(2))[0]
+    if at == size:
+        return ()
+    return (
+        f"{path}: ends within a message, so it is cut off: what is before is used; "
+        "copy it again from the vehicle, unless that lost power",
+    )
+
+
 @dataclass(frozen=True)
 class FileKind:
     """A kind of file."""
@@ -80,7 +149,7 @@ class FileKind:
 KINDS = (
     FileKind("MATLAB", (".mat",), read_mat, (b"MATLAB",)),
     FileKind("HDF5", (".h5", ".hdf5", ".hdf", ".he5"), read_hdf5, (HDF5_MAGIC,)),
-    FileKind("PX4 ULog", (".ulg", ".ulog"), read_ulog, (MAGIC,), cut_off),
+    FileKind("PX4 ULog", (".ulg", ".ulog"), read_ulog, (_ULOG_MAGIC,), _cut_off),
     FileKind("NumPy", (".npz",), read_npz, (b"PK\x03\x04",)),
     FileKind("Parquet", (".parquet",), read_parquet_log, (b"PAR1",)),
     FileKind("CSV", SUFFIXES, read_text_table),

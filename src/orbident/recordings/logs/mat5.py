@@ -31,14 +31,7 @@ class MatStream:
     """Reads forwards only; however large the data, a piece of it is in memory."""
 
     def __init__(self, file: BinaryIO, begin: int, packed: int | None = None) -> None:
-        """Begin to read.
-
-        Args:
-            file: that can be sought in; other streams may read it too.
-            begin: where in the file.
-            packed: bytes of compressed data there; None for plain ones to the end of
-                the file.
-        """
+        """Begin to read so many packed bytes, or without any, plain ones to the end."""
         self.file, self.begin, self.packed = file, begin, packed
         self.size = os.fstat(file.fileno()).st_size - begin
         """Bytes up to the end of the file."""
@@ -168,8 +161,7 @@ class _Element(NamedTuple):
 def variables(file: BinaryIO) -> Tree:
     """The variables of a file by name, structs as trees.
 
-    Args:
-        file: open as long as values are to be read.
+    The file is open as long as values are to be read.
 
     Raises:
         ValueError: It is cut off, or does not keep to the format.

@@ -40,10 +40,7 @@ def is_object(node: LogField | Tree) -> bool:
 def with_objects(tree: Tree, path: Path, stack: ExitStack) -> Tree:
     """The variables of a file, those with objects read again by the library.
 
-    Args:
-        tree: all variables.
-        path: of the file.
-        stack: keeps the arrays as long as values are to be read.
+    The stack keeps the arrays as long as values are to be read.
     """
     names = [name for name, node in tree.items() if is_object(node)]
     if not names:
@@ -85,10 +82,7 @@ def _kept(node: Any, folder: Path) -> LogField | Tree:
 
 
 def write_objects(path: str, names: Sequence[str], folder: str) -> dict[str, Any]:
-    """In the child: read variables and write their arrays.
-
-    Returns:
-        Of each variable what `_kept` reads.
+    """In the child: read variables and write their arrays; of each what `_kept` reads.
 
     Raises:
         InputError: The arrays are too large, the file refers to others, or the library

@@ -35,10 +35,8 @@ def _numbers(path: str, value: Any, names: Any) -> Iterator[tuple[str, float]]:
 def _parts(value: Any, names: Any) -> Mapping[str, Any]:
     """The fields of a message, or the elements of an array by name, else by number.
 
-    Args:
-        value: of the message.
-        names: the field `name` beside an array, as `sensor_msgs/JointState` has it;
-            messages in an array may have a `name` each.
+    The field `name` beside an array, as `sensor_msgs/JointState` has it, is `names`;
+    messages in an array may have a `name` each.
     """
     if is_dataclass(value):
         return vars(value)

@@ -1,8 +1,4 @@
-"""What every entry of a topic map has: a topic, its clock, and what is taken.
-
-What is taken may have to be turned: rows of unit quaternions, scalar last, in plain
-NumPy.
-"""
+"""What every entry of a topic map has: a topic, its clock, and what is taken."""
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence

@@ -42,11 +42,7 @@ def stamp_fields(value: object) -> dict[str, str]:
 
 
 def stamps_of(fields: Mapping[str, str], group: Group) -> Int[np.ndarray, " n"]:
-    """The sum of the fields, ns.
-
-    Args:
-        fields: their units by name.
-        group: where they are.
+    """The sum of the fields, whose units are given by name, ns.
 
     Raises:
         InputError: a field is missing or holds no numbers, the file says that it is in
@@ -238,9 +234,6 @@ class Table(Fields):
     ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n K"]]:
         """Times, ns, and every slot's values.
 
-        Args:
-            group: what is in the file.
-
         Raises:
             InputError: a field is missing, holds no numbers, or has another length
                 than the time; a time is not finite; the file has it in another unit.
@@ -281,14 +274,9 @@ class Table(Fields):
 
 
 def missing_of(entry: Entry, topics: Mapping[str, Any]) -> tuple[str, str] | None:
-    """What of a file an entry needs and the file has not: `("field", "q1")`.
+    """What of a file an entry needs and the file has not: `("field", "q1")`, or None.
 
-    Args:
-        entry: of a map.
-        topics: of the file, by name.
-
-    Returns:
-        "topic" or "field", and its name; None if nothing is missing.
+    The first is "topic" or "field", the other its name.
     """
     topic = topics.get(entry.topic)
     if topic is None or not topic.count:

@@ -1,7 +1,4 @@
-"""What numbers of a table can fill, a vector or one column, and in which units.
-
-A map names the numbers that a column is made of, and declares their units.
-"""
+"""What numbers of a table can fill, a vector or one column, and in which units."""
 
 import math
 import re

@@ -36,11 +36,9 @@ def continued(
 ) -> tuple[Stamps, str]:
     """The stamps as a counter without an end gives them, and what was done, in words.
 
-    Args:
-        stamps: ns, in the order of arrival.
-        counts: ns, what a count of the stamps may be.
-        same: whether samples, by their numbers, hold the same values as others.
-        place: for messages.
+    Stamps are in ns, in the order of arrival. `counts` are what a count of them may be,
+    ns, and `same` says whether samples, by their numbers, hold the same values as
+    others.
 
     Raises:
         InputError: the time goes back where no counter begins again.
@@ -225,12 +223,9 @@ def check_times(place: str, all_timed: list[Timed]) -> None:
 def common_rows(stamps: Sequence[Stamps]) -> tuple[Stamps, list[Stamps]]:
     """Rows for stamps of several sensors; those within `SAME_TIME` share one.
 
-    Args:
-        stamps: ns, of each sensor, increasing by more than `SAME_TIME`.
-
-    Returns:
-        The rows' times, ns, increasing; and for each sensor which row each of its
-        stamps is in, never two in one.
+    Stamps of each sensor, ns, increase by more than `SAME_TIME`. Gives the rows' times,
+    ns, increasing; and for each sensor which row each of its stamps is in, never two in
+    one.
     """
     rows = np.empty(0, dtype=np.int64)
     chosen = []

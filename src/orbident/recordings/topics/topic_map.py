@@ -26,7 +26,7 @@ from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
 from orbident.recordings.topics.presets import preset_path, preset_topics, presets
 from orbident.recordings.topics.survey import Surveyed
-from orbident.recordings.topics.targets import DIMENSION_OF
+from orbident.recordings.topics.targets import DIMENSION_OF, DIMENSIONS
 from orbident.robot.description import Robot
 
 SCHEMA = "orbident/topic-map/1"
@@ -43,9 +43,7 @@ class _TopicMap(MappingSchema):
 def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, ...]:
     """Reads a topic map.
 
-    Args:
-        path: of the file.
-        place: what messages call it; the path if it is not given.
+    In messages it is called `place`; by default that is its path.
 
     Raises:
         InputError: The file is missing, not YAML or of another schema; an entry has an
@@ -88,15 +86,8 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
     return validated(entry, {**document, "type": kind}, place)
 
 
-_UNITS = {
-    "gyro": "rad/s",
-    "accelerometer": "m/s^2",
-    "attitude": "quaternion",
-    "position": "m",
-    "velocity": "m/s",
-    "force": "N",
-    "torque": "N m",
-}
+_UNITS = {name: next(iter(DIMENSIONS[of])) for name, of in DIMENSION_OF.items()}
+_UNITS["attitude"] = "quaternion"
 _OF_JOINTS = {"position": "rad", "torque": "N m", "current": "A"}
 _SHOWN = 100
 """Fields that are listed."""
@@ -229,9 +220,7 @@ _POINT = (
 def proposed_map(surveyed: Sequence[Surveyed], robot: Robot | None = None) -> str:
     """The YAML text of a topic map; a person completes it at each TODO.
 
-    Args:
-        surveyed: what is in the file.
-        robot: whose joints and wheels may have the names that are in the messages.
+    The robot's joints and wheels may have the names that are in the messages.
     """
     lines = [
         "# Proposed by 'orbident topics'. Decide at every TODO; delete the topics that",

@@ -34,9 +34,7 @@ class RowFile:
     def __init__(self, place: Path, width: int) -> None:
         """An empty file. It has no name, so it is gone when the process is.
 
-        Args:
-            place: what is being made, on the same disk.
-            width: numbers a row.
+        It is on the disk of `place`, which is being made; a row has `width` numbers.
 
         Raises:
             InputError: there can be no file.
@@ -110,12 +108,7 @@ class Track:
     """Collects the samples of one entry."""
 
     def __init__(self, entry: Entry, out: Path) -> None:
-        """Nothing yet.
-
-        Args:
-            entry: what is taken.
-            out: what is being made, beside which rows are kept meanwhile.
-        """
+        """Nothing yet; rows are kept beside `out`, which is being made."""
         self.entry = entry
         self.rows = RowFile(out, len(entry.columns))
         self._stamps, self._received = array("q"), array("q")
@@ -128,9 +121,8 @@ class Track:
     def add(self, received: int, message: Any) -> None:
         """Takes what the entry wants from a message, or all rows of a table.
 
-        Args:
-            received: when, ns; a table has its own times.
-            message: None where its bytes are not of their type.
+        A message was received then, in ns, and is None if its bytes are not of its
+        type; a table has its own times.
         """
         if message is None:
             self._undecodable += 1
@@ -159,9 +151,6 @@ class Track:
 
     def finished(self, bag: str) -> Arrived:
         """Everything that came; to be called once.
-
-        Args:
-            bag: its name, for messages.
 
         Raises:
             InputError: Nothing came, a label never occurs, a column never has a

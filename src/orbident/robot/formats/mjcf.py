@@ -37,12 +37,9 @@ weighs 0.2 s and 100 MB."""
 def mjcf_as_urdf(text: str, path: Path) -> str:
     """The URDF that says the same as a MuJoCo model.
 
-    MuJoCo compiles it in a child process: a small file may ask for hours and
-    gigabytes, and MuJoCo crashes where a file attaches itself.
-
-    Args:
-        text: the file.
-        path: of the file, which MuJoCo reads with all that it includes.
+    MuJoCo compiles it in a child process: a small file may ask for hours and gigabytes,
+    and MuJoCo crashes where a file attaches itself. It reads the file once more, with
+    all that it includes.
 
     Raises:
         InputError: as `compiled_mjcf`, and where MuJoCo takes too much or crashes.
@@ -69,9 +66,6 @@ def compiled_mjcf(place: str) -> str:
     The base is the one body of the world that has a free joint, or two slides and a
     hinge (a table), or none. A body with several joints becomes as many links, all but
     the last without mass. Link frames are at the joints, where MuJoCo's are anywhere.
-
-    Args:
-        place: the path of the file.
 
     Raises:
         InputError: MuJoCo refuses the model; it has no body, several that may be the

@@ -34,11 +34,8 @@ _MACROS = re.compile(r"<xacro:|\$[{(]")
 def read_model(path: Path) -> tuple[Urdf, str]:
     """The links and joints of a robot, and a URDF that says the same.
 
-    Of a URDF and a xacro file the text keeps what the robot looks like.
-
-    Args:
-        path: of a URDF, xacro, MJCF or SDF file. Only xacro is also told by its
-            suffix, since its expressions are run as a program.
+    Of a URDF and a xacro file the text keeps what the robot looks like. Only xacro is
+    also told by its suffix, since its expressions are run as a program.
 
     Raises:
         InputError: the file is no robot; see the readers.
@@ -99,10 +96,8 @@ def expanded_xacro(path: Path) -> str:
 
     The file's expressions are run as Python, in a child process with little time and
     memory. It may read what is below the file's own folder, or below the package of ROS
-    that this folder is in, and in the packages that ROS knows; and no environment.
-
-    Args:
-        path: of the xacro file; what it includes is looked for from its folder.
+    that this folder is in, and in the packages that ROS knows; and no environment. What
+    the file includes is looked for from its folder.
 
     Raises:
         InputError: the file does not expand: an argument without a default, a
@@ -122,9 +117,6 @@ def expanded_xacro(path: Path) -> str:
 
 def expand_here(place: str) -> str:
     """What `expanded_xacro` gives; it takes rights from this process.
-
-    Args:
-        place: the path of the file.
 
     Raises:
         InputError: as `expanded_xacro`.

@@ -148,10 +148,6 @@ _PREFIX = re.compile(r"(?:</?|\s(?=[\w.-]+:[\w.-]+\s*=\s*['\"]))[\w.-]+:(?=\w)")
 def read_sdf(text: str, place: str) -> Urdf:
     """The links and joints of the one model of an SDF file. No mesh is opened.
 
-    Args:
-        text: the file.
-        place: its name, for messages.
-
     Raises:
         InputError: malformed XML, no model or several, models in the model or by
             <include>, a version that is not known, a link without mass or inertia,

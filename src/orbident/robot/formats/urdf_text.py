@@ -17,11 +17,7 @@ is larger than `LARGEST` for none."""
 
 
 def urdf_text(tree: Urdf) -> str:
-    """The URDF that has these links and joints; `read_urdf` gives them back.
-
-    Args:
-        tree: what another format's reader found.
-    """
+    """The URDF that has these links and joints; `read_urdf` gives them back."""
     root = ET.Element("robot", name=tree.name)
     for link in tree.links:
         root.append(_link(link))

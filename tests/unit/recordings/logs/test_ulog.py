@@ -9,7 +9,7 @@ import pytest
 from conversions import HEAD
 from pyulog import ULog
 
-from orbident.recordings.logs.ulog_file import read_ulog
+from orbident.recordings.logs.log import read_ulog
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import convert_file
 
