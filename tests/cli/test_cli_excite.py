@@ -278,7 +278,10 @@ def test_a_motion_that_shows_too_little_is_not_trusted(orbident):
 
 LIMITS = "limits: {joint1: {velocity: 1}, joint2: {velocity: 1}}\n"
 WHEEL = "wheels: [{name: rw, axis: [1, 0, 0], inertia: 0.1}]\n"
-GYRO = "sensors: {gyro: {angle_random_walk: 1e-6}, joints: {position: 1e-5}}\n"
+GYRO = (
+    "sensors: {gyro: {angle_random_walk: 1e-6}, joints: {position: 1e-5}, "
+    "wheels: {position: 1e-5}}\n"
+)
 
 
 @pytest.mark.parametrize(
