@@ -167,7 +167,10 @@ def _of_all(recording: Recording, rows: str, names: list[str]) -> Masks:
         same &= np.diff(column) == 0
     # A table of all columns is as large as the recording.
     if same.any():
-        found |= repeats(_table(recording, names))
+        table = _table(recording, names)
+        for mask in found.values():
+            table[mask] = np.nan
+        found |= repeats(table)
     return {(rows, why): mask for why, mask in found.items()}
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from orbident.data_table import frame
 from orbident.errors import InputError
-from orbident.files.names import closest, listed
+from orbident.files.names import closest, counted, listed
 from orbident.recordings.column_checks import (
     as_column,
     check_attitude,
@@ -88,8 +88,8 @@ class Recording:
                     column = np.where(zero, np.nan, columns[name])
                     columns[name] = as_column(self.source, name, column)
                 note = (
-                    "attitude: quaternions of zeros are taken as no samples, the first "
-                    f"at t = {t[zero.argmax()]:g} s"
+                    f"attitude: {counted(int(zero.sum()), 'quaternion')} of zeros left "
+                    f"out, the first at t = {t[zero.argmax()]:g} s"
                 )
                 object.__setattr__(self, "notes", (*self.notes, note))
             check_attitude(self.source, [columns[name] for name in attitude])

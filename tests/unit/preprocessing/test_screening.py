@@ -232,6 +232,21 @@ def test_rows_of_zeros_are_no_samples(seed: int):
         np.testing.assert_array_equal(np.isnan(column), lost)
 
 
+def test_zeros_that_follow_zeros_are_no_repeats():
+    """Each row that is left out is counted once."""
+    held = np.arange(N) % 4 == 1
+    lost = np.isin(np.arange(N), [201, 202, 203, 204, 300])
+    columns = {}
+    for name, x in FLIGHT.columns.items():
+        again = np.where(held, np.roll(x, 1), x)
+        columns[name] = np.where(lost, 0.0, again)
+    found = screened(ROBOT, FLIGHT.with_columns(columns))
+    assert found.rejected["rows"] == {
+        "sample of zeros alone": lost.sum(),
+        "repeat of the sample before": (held & ~lost & ~np.roll(lost, 1)).sum(),
+    }
+
+
 @pytest.mark.parametrize("count", [0.0, 1e-3])
 @pytest.mark.parametrize("rests", [1, 100])
 def test_a_robot_that_rests_at_zero_keeps_its_rows(rests: int, count: float):
@@ -257,6 +272,6 @@ def test_quaternions_of_zeros_are_noted():
         column[200:210] = 0.0
     found = screened(ROBOT, FLIGHT.with_columns(x))
     assert found.notes == (
-        "attitude: quaternions of zeros are taken as no samples, the first at t = 10 s",
+        "attitude: 10 quaternions of zeros left out, the first at t = 10 s",
     )
     assert np.isnan(found.recording.columns["attitude.w"]).sum() == 10

@@ -166,8 +166,7 @@ def test_quaternions_of_zeros_are_no_samples():
     ]
     (note,) = recording.notes
     assert note == (
-        "attitude: quaternions of zeros are taken as no samples, the first at "
-        f"t = {T[2]:g} s"
+        f"attitude: 1 quaternion of zeros left out, the first at t = {T[2]:g} s"
     )
     # They are not noted again, nor forgotten.
     assert recording.with_columns({}).between().notes == (note,)
