@@ -16,9 +16,13 @@ TURNING = ("revolute", "continuous")
 """The kinds of joints that may give way."""
 
 
+BEHIND = "'s flexibility"
+"""What the name of the passive joint has after that of the measured one."""
+
+
 def flexibility(joint: str) -> str:
     """The name of the passive joint behind a measured one."""
-    return f"{joint}'s flexibility"
+    return f"{joint}{BEHIND}"
 
 
 def with_flexible_joints(

@@ -28,6 +28,7 @@ from orbident.robot.description import (
     Robot,
     Structure,
 )
+from orbident.robot.flexible_joints import BEHIND
 from orbident.robot.tolerances import EVERY
 from orbident.robot.units import CONSTANT_OF_A_MOTOR, quantity
 from orbident.robot.urdf import Urdf
@@ -156,23 +157,26 @@ def check_passive(
             )
 
 
-def require_measured(
-    robot: Robot, what: str, instead: str = "leave out 'passive' or 'flexible'"
-) -> None:
+def require_measured(robot: Robot, what: str, instead: str = "") -> None:
     """Refuse a robot with joints that nobody measures.
 
     Args:
         robot: of any kind.
         what: needs all joints, in words.
-        instead: what to do, in words.
+        instead: what to do, in words; by default, to take the robot for stiff.
 
     Raises:
         InputError: it has such joints.
     """
-    for name in robot.passive:
+    for passive in robot.passive:
+        name = passive.removesuffix(BEHIND)
+        how, stiff = "passive", "whose model has it fixed"
+        if name != passive:
+            how, stiff = "flexible", f"without '{name}' under flexible"
         raise InputError(
-            f"{robot.name}: joint '{name}' is passive, and {what} takes joints that "
-            f"are all driven and measured; {instead}"
+            f"{robot.name}: joint '{name}' is {how}, and {what} takes joints that are "
+            "all driven and measured; "
+            + (instead or f"use a copy of the robot file {stiff}")
         )
 
 

@@ -6,6 +6,7 @@ import yaml
 from urdf_texts import ARM, joint, link, robot
 
 from orbident.errors import InputError
+from orbident.excitation.conditions import limits_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Passive, Structure
 from orbident.robot.robot_file import load_robot, write_robot
@@ -33,6 +34,12 @@ def test_base_parameters_are_those_of_the_stiff_robot(load_yaml):
     found, of_stiff = (minimal_sets(x).beta(x.theta) for x in (flexible, stiff))
     # Rounding in matrices of some ten rows.
     np.testing.assert_allclose(found, of_stiff, atol=1e-9)
+
+
+def test_what_takes_none_names_the_joint_as_the_file_does(load_yaml):
+    words = r"joint 'joint2' is flexible, and the design .* without 'joint2' under"
+    with pytest.raises(InputError, match=words):
+        limits_of(load_yaml(ELBOW))
 
 
 def test_limits_are_of_the_motor(load_yaml):
