@@ -16,6 +16,7 @@ from pydantic import BeforeValidator
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST
+from orbident.files.names import closest, quoted
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.columns import (
     OF_PARTS,
@@ -230,8 +231,9 @@ def target_of(name: str, unit: object) -> Target:
             return Target(name, unit, columns, width, example)
         si = DIMENSIONS["angle"][unit]
         return Target(name, unit, columns, width, example, si, "angle")
+    dimensions = _dimensions(name)
     try:
-        found = unit_of(*_dimensions(name))(unit)
+        found = unit_of(*dimensions)(unit)
     except InputError as error:
         raise InputError(f"take: {name}: found {unit!r}; {error}") from None
     if name in VECTORS:
@@ -246,8 +248,12 @@ def _dimensions(name: str) -> tuple[str, ...]:
         return _OF_PARTS[head, last]
     whole = name in VECTORS or is_known(name)
     if not whole or head not in DIMENSION_OF:
+        middle = ".".join(name.split(".")[1:-1]) or "<name>"
+        parts = (f"{kind}.{middle}.{of}" for kind, of in _OF_PARTS)
+        close = closest(name, [*DIMENSION_OF, "attitude", *parts])
+        hint = f"did you mean {quoted(close)}? " if close else ""
         raise InputError(
-            "give a column that numbers can fill, such as wheel.<name>.speed, "
-            "joint.<name>.position, gyro or attitude"
+            f"take: found {quoted(name)}; {hint}give a column that numbers can fill, "
+            "such as wheel.<name>.speed, joint.<name>.position, gyro or attitude"
         )
     return (DIMENSION_OF[head],)

@@ -120,6 +120,7 @@ class Track:
         self.rows = RowFile(out, len(entry.columns))
         self._stamps, self._received = array("q"), array("q")
         self._waiting: list[Any] = []
+        self._last: Any = None
         self._labels: Counter[tuple[str, ...]] = Counter()
         self._undecodable = self._with_gaps = self._bad = self._zeros = 0
         self._first_bad = ""
@@ -138,6 +139,7 @@ class Track:
         if isinstance(self.entry, Table):
             self._extend(*self.entry.rows(message))
             return
+        self._last = message
         self._labels[self.entry.labels(message)] += 1
         for sample in self.entry.samples(message):
             self._stamps.append(sample.stamp or 0)
@@ -186,9 +188,10 @@ class Track:
             )
         if not self._ever.all():
             never = self.entry.columns[int(np.argmin(self._ever))]
+            lacked = self.entry.lacked(self._last, never)
             raise InputError(
-                f"{place}: column '{never}' never has a finite number; take it out of "
-                "the map"
+                f"{place}: column '{never}' never has a finite number; "
+                + (lacked or "take it out of the map")
             )
         wanted = self.entry.wanted
         incomplete = sum(
