@@ -22,6 +22,7 @@ from orbident.preprocessing.column_faults import (
 )
 from orbident.preprocessing.rates import false_rates
 from orbident.preprocessing.smoothing import Settings
+from orbident.recordings.column_checks import check_filled
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.no_measurements import (
     no_measurements,
@@ -85,10 +86,11 @@ def screened(robot: Robot, recording: Recording) -> Screened:
         recording: of any sensors.
 
     Raises:
-        InputError: a sensor shows one value throughout while joints move, a joint's
-            positions are in another unit, or the attitude of a planar robot leaves the
-            plane.
+        InputError: a column is empty, a sensor shows one value throughout while joints
+            move, a joint's positions are in another unit, or the attitude of a planar
+            robot leaves the plane.
     """
+    check_filled(recording.source, recording.columns)
     _check_alive(robot, recording)
     _check_in_plane(robot, recording)
     settings = Settings()

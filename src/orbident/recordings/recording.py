@@ -82,7 +82,12 @@ class Recording:
         attitude = vector_columns("attitude")
         if columns.keys() >= set(attitude):
             zero = np.logical_and.reduce([columns[name] == 0 for name in attitude])
-            if zero.any() and not zero.all():
+            if zero.all():
+                raise InputError(
+                    f"{self.source}: attitude: all {t.size} quaternions are zero, as of "
+                    "a tracker that sees nothing; leave out 'attitude.x' to '.w'"
+                )
+            if zero.any():
                 # So a tracker writes that it sees nothing.
                 for name in attitude:
                     column = np.where(zero, np.nan, columns[name])

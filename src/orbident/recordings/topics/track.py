@@ -179,7 +179,10 @@ class Track:
             )
         self._check_labels(place)
         if 0 < self._zeros == len(self._stamps):
-            self._bad, self._first_bad = self._zeros, self._named(0, 0.0)
+            raise InputError(
+                f"{place}: all {self._zeros} quaternions are zero, as of a tracker that "
+                "sees nothing; take from this topic nothing that needs its attitude"
+            )
         if self._bad:
             raise InputError(
                 f"{place}: {self._bad} of {len(self._stamps)} quaternions are not of "
