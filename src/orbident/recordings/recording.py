@@ -84,8 +84,8 @@ class Recording:
             zero = np.logical_and.reduce([columns[name] == 0 for name in attitude])
             if zero.all():
                 raise InputError(
-                    f"{self.source}: attitude: all {t.size} quaternions are zero, as of "
-                    "a tracker that sees nothing; leave out 'attitude.x' to '.w'"
+                    f"{self.source}: attitude: all {t.size} quaternions are zero, as "
+                    "of a tracker that sees nothing; leave out 'attitude.x' to '.w'"
                 )
             if zero.any():
                 # So a tracker writes that it sees nothing.

@@ -180,8 +180,8 @@ class Track:
         self._check_labels(place)
         if 0 < self._zeros == len(self._stamps):
             raise InputError(
-                f"{place}: all {self._zeros} quaternions are zero, as of a tracker that "
-                "sees nothing; take from this topic nothing that needs its attitude"
+                f"{place}: all {self._zeros} quaternions are zero, as of a tracker "
+                "that sees nothing; take nothing from it that needs its attitude"
             )
         if self._bad:
             raise InputError(
