@@ -20,6 +20,17 @@ BEHIND = "'s flexibility"
 """What the name of the passive joint has after that of the measured one."""
 
 
+MOTOR = "'s motor"
+"""What the name of the body between both has after that of the measured joint."""
+
+
+def parsed(urdf: str) -> ET.Element:
+    """A URDF's text with its comments."""
+    return ET.fromstring(
+        urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    )
+
+
 def flexibility(joint: str) -> str:
     """The name of the passive joint behind a measured one."""
     return f"{joint}{BEHIND}"
@@ -38,9 +49,7 @@ def with_flexible_joints(
     Raises:
         InputError: a flexible joint does not turn, or is passive too.
     """
-    root = ET.fromstring(
-        urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
-    )
+    root = parsed(urdf)
     joints = {
         joint.get("name", ""): joint
         for joint in root.findall("joint")
@@ -61,8 +70,8 @@ def with_flexible_joints(
             )
         like = {"like": flexibility(spring["like"])} if "like" in spring else {}
         passive[flexibility(name)] = {**spring, **like}
-        structure[f"{name}'s motor"] = {"massless": True}
-        _split(root, joints[name], f"{name}'s motor")
+        structure[f"{name}{MOTOR}"] = {"massless": True}
+        _split(root, joints[name], f"{name}{MOTOR}")
     others = {key: each for key, each in document.items() if key != "flexible"}
     return (
         {**others, "passive": passive, "structure": structure},
@@ -82,3 +91,17 @@ def _split(root: ET.Element, joint: ET.Element, between: str) -> None:
     for child in joint.findall("child"):
         joint.remove(child)
     ET.SubElement(joint, "child", link=between)
+
+
+def make_stiff(root: ET.Element) -> None:
+    """Take out of a URDF what `with_flexible_joints` has put in."""
+    joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
+    links = {link.get("name", ""): link for link in root.findall("link")}
+    for name, joint in joints.items():
+        spring, motor = joints.get(flexibility(name)), links.get(f"{name}{MOTOR}")
+        if spring is not None and motor is not None:
+            for child in joint.findall("child"):
+                joint.remove(child)
+            joint.extend(spring.findall("child"))
+            root.remove(spring)
+            root.remove(motor)
