@@ -165,7 +165,7 @@ class Recording:
         """The recording of a flight that Basilisk has simulated, without noise.
 
         Args:
-            robot: Its `feature_point` is the hub's origin, [0, 0, 0].
+            robot: The hub's origin is that of its base link.
             states: The recorder of `scStateOutMsg`.
             wheels: The recorder of `rwSpeedOutMsg`: the robot's wheels in its order.
             joints: The recorders of `spinningBodyOutMsgs` (or of translating bodies),
