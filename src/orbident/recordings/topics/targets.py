@@ -213,6 +213,14 @@ def _of_angles(angles: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
     return product(x[2], product(x[1], x[0]))
 
 
+def dimension_of(column: str) -> str:
+    """What a column of a recording is of, such as "length"; else nothing."""
+    head, last = column.split(".")[0], column.rsplit(".", 1)[-1]
+    if not is_known(column):
+        return ""
+    return DIMENSION_OF.get(head) or _OF_PARTS.get((head, last), ("",))[0]
+
+
 def target_of(name: str, unit: object) -> Target:
     """What a key of `take` names.
 
