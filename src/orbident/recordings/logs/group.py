@@ -99,7 +99,7 @@ def field_of(
     elif numbers > _LONGEST:
         problem = f"has {numbers} numbers; write at most {_LONGEST} of them"
     elif numbers < 2:
-        problem = "is a single number, not one for each time"
+        problem = "is a single number, not one for each time" if numbers else "is empty"
     return LogField(tuple(sizes), read, "ns" if dtype.kind == "M" else unit, problem)
 
 
