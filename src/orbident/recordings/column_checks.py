@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
-from orbident.files.names import counted, listed
+from orbident.files.names import listed
 from orbident.recordings.columns import is_known
 from orbident.recordings.no_measurements import sensor_groups
 
@@ -163,24 +163,18 @@ def check_size(source: str, name: str, values: np.ndarray) -> None:
         )
 
 
-FEWEST = 4
-"""Numbers that make a cubic spline."""
-
-
 def check_filled(source: str, columns: Mapping[str, np.ndarray]) -> None:
-    """Refuses a sensor of which a column has no number, or hardly one.
+    """Refuses a sensor of which a column has no number at all.
 
     Raises:
-        InputError: the emptiest column, and which belong to it.
+        InputError: the column, and which belong to it.
     """
     for names in sensor_groups(columns).values():
-        counts = [int(np.count_nonzero(~np.isnan(columns[name]))) for name in names]
-        if min(counts) < FEWEST:
-            emptiest = names[counts.index(min(counts))]
+        empty = next((name for name in names if np.isnan(columns[name]).all()), None)
+        if empty:
             raise InputError(
-                f"{source}: column '{emptiest}' has {counted(min(counts), 'number')}, "
-                f"and at least {FEWEST} are needed; fill it, or leave out "
-                f"{listed(names)}"
+                f"{source}: column '{empty}' has no number in any row; fill it, or "
+                f"leave out {listed(names)}"
             )
 
 

@@ -266,16 +266,15 @@ def test_a_robot_that_rests_at_zero_keeps_its_rows(rests: int, count: float):
     assert "rows" not in screened(ROBOT, Recording(t, columns)).rejected
 
 
-@pytest.mark.parametrize("left", [0, 1, 3])
 @pytest.mark.parametrize("name", ["attitude.y", "joint.joint1.position", "gyro.x"])
-def test_a_column_that_is_empty_is_named(name: str, left: int):
-    """And not a number of it inside the program."""
-    x = np.where(np.arange(N) < left, FLIGHT.columns[name], np.nan)
-    with pytest.raises(InputError) as raised:
+def test_a_column_that_is_empty_is_named(name: str):
+    """One attitude beside a gyro is enough, though."""
+    first = np.arange(N) < 1
+    x = np.where(first, FLIGHT.columns[name], np.nan)
+    screened(ROBOT, FLIGHT.with_columns({name: x}))
+    x[first] = np.nan
+    with pytest.raises(InputError, match=f"column '{name}' has no number in any row"):
         screened(ROBOT, FLIGHT.with_columns({name: x}))
-    has = f"column '{name}' has {left} number{'s' * (left != 1)}, and at least 4 are"
-    assert has in str(raised.value)
-    assert "[:" not in str(raised.value)
 
 
 def test_quaternions_of_zeros_are_noted():
