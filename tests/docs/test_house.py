@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 308,
-    "lines": 64_631,
+    "lines": 64_624,
     "files of estimation": 49,
     "lines of estimation": 11_674,
     "files with one user": 69,
