@@ -1,13 +1,17 @@
 """The report as a browser shows it: from disk, without a network, names as text."""
 
+import csv
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import report_runs
 from chromium import chromium, emulate
 from contrasts import faint_texts
 from selenium.webdriver import Chrome
+from selenium.webdriver.common.by import By
 from selenium.webdriver.support.wait import WebDriverWait
 
 from orbident.report.write import report_page
@@ -153,6 +157,57 @@ def test_formulas_are_read_in_lines(page: Chrome):
         ".map((th) => th.clientWidth)"
     )
     assert min(widths) > 200
+
+
+COPIED = """
+addEventListener("copy", (event) => {
+  window.copied = event.clipboardData.getData("text/plain");
+}, { once: true });
+"""
+
+
+def _copied(page: Chrome, table: int, button: int) -> str:
+    """What the clipboard has after a click below a table."""
+    page.execute_script(COPIED)
+    found = page.find_elements(By.CSS_SELECTOR, ".copy")[table]
+    page.execute_script(
+        "arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", found
+    )
+    pressed = found.find_elements(By.TAG_NAME, "button")[button]
+    pressed.click()
+    assert pressed.text == "Copied"
+    return page.execute_script("return window.copied")
+
+
+def test_a_table_is_copied_as_csv(page: Chrome):
+    head, *rows = csv.reader(_copied(page, table=0, button=0).splitlines())
+    shown = page.execute_script(
+        "return [...document.querySelectorAll('tbody')[0].rows]"
+        ".filter((row) => !row.classList.contains('name')).map((row) => row.innerText)"
+    )
+    assert len(rows) == len(shown)
+    assert {len(row) for row in rows} == {len(head)}
+    found = report_runs.result()
+    values = [float(row[head.index("estimate")]) for row in rows]
+    # Two digits of the deviation are shown.
+    np.testing.assert_array_less(
+        np.abs(values - found.base.values), 0.06 * found.base.std
+    )
+    # Every name is a formula in a note, quotes and commas included.
+    assert all(row[head.index("note")] for row in rows)
+
+
+def test_a_table_is_copied_for_latex(page: Chrome):
+    first, *rows, last = _copied(page, table=0, button=1).splitlines()
+    assert first.startswith(r"\begin{tabular}{lr")
+    assert last == r"\end{tabular}"
+    columns = len(first.partition("{l")[2].rstrip("}")) + 1
+    for row in rows:
+        # What is no command of LaTeX's is escaped, names too.
+        assert len(re.findall(r"(?<!\\)&", row)) == columns - 1
+        assert not re.findall(r"(?<!\\)[%#]", row)
+        assert row.isascii()
+        assert row.endswith((r"\\", r"\hline"))
 
 
 def test_print(page: Chrome):

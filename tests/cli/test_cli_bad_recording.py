@@ -194,7 +194,7 @@ def test_malformed_trajectory(orbident: Orbident, case: str):
     lines, words = TRAJECTORIES[case]
     Path("m.yaml").write_text(f"schema: orbident/trajectory/1\nduration: 4\n{lines}")
     orbident("simulate", "paper-spatial", "m.yaml", "-o", "r.csv").refused(
-        "m.yaml: ", words
+        "m.yaml:", words
     )
     assert not Path("r.csv").exists()
 
@@ -205,7 +205,7 @@ def test_duration_of_a_trajectory(orbident: Orbident, duration: str):
         f"schema: orbident/trajectory/1\nduration: {duration}\n{JOINTS}"
     )
     orbident("simulate", "paper-spatial", "m.yaml", "-o", "r.csv").refused(
-        "m.yaml: duration"
+        "m.yaml:2: duration"
     )
 
 
@@ -217,7 +217,7 @@ def test_trajectory_of_another_kind(orbident: Orbident):
     Path("binary").write_bytes(b"\x00\xff" * 99)
     orbident(*run, "binary", "-o", "r.csv").refused("binary: ", "UTF-8")
     Path("robot.yaml").write_text("schema: orbident/robot/1\nurdf: x.urdf\n")
-    orbident(*run, "robot.yaml", "-o", "r.csv").refused("robot.yaml: ")
+    orbident(*run, "robot.yaml", "-o", "r.csv").refused("robot.yaml:2: unknown key")
 
 
 @pytest.mark.parametrize("rate", ["0", "-5", "nan", "inf", "1e-9", "1e12"])

@@ -111,7 +111,7 @@ def test_unknown_base_link(orbident: Orbident, tmp_path: Path):
 
 def test_robot_file_of_another_version(orbident: Orbident):
     Path("r.yaml").write_text("schema: orbident/robot/2\nurdf: r.urdf\n")
-    orbident("inspect", "r.yaml").refused("r.yaml: ", "orbident/robot/1")
+    orbident("inspect", "r.yaml").refused("r.yaml:1: ", "orbident/robot/1")
 
 
 def test_robot_file_without_its_urdf(orbident: Orbident):

@@ -141,7 +141,18 @@ ODD = {
     ),
     "no limits": (ARM, "", "no limit of the range: 'joint1', 'joint2'"),
     "no rates": (ARM, "", "no limit of the rate: 'joint1', 'joint2'"),
-    "no wheels": (ARM, "", "no wheels and no thrusters: without a momentum"),
+    "no wheels": (ARM, "", "show ratios of pi, but for the scale of pi and the mass"),
+    "no velocity": (
+        ARM,
+        "sensors: {gyro: {angle_random_walk: 1e-6}}\n"
+        "wheels: [{name: rw, axis: [1, 0, 0], inertia: 0.1}]\n",
+        "show pi, but for phi and the mass 'identify' needs position or accelerometer",
+    ),
+    "neither": (
+        ARM,
+        "sensors: {gyro: {angle_random_walk: 1e-6}}\n",
+        "show ratios of pi, but for the scale of pi, phi and the mass 'identify' needs",
+    ),
     "no sensors": (ARM, "", "nothing is said of joints, gyro or attitude, position"),
     "an error without a tolerance": (
         ARM,

@@ -59,7 +59,7 @@ def test_the_seed_draws_what_is_random(orbident: Orbident, noise: str):
 @pytest.mark.parametrize(
     ("environment", "words"),
     [
-        ("  wind: 1\n", "m.yaml: environment: unknown key 'wind'"),
+        ("  wind: 1\n", "environment: unknown key 'wind'"),
         ("  film_drag: {base: {c: 8 mN s/m}}\n", "body 'base' has no pads"),
         (
             "  orbit: {altitude: -1 km, inclination: 0}\n",
@@ -74,5 +74,5 @@ def test_the_seed_draws_what_is_random(orbident: Orbident, noise: str):
     ],
 )
 def test_what_cannot_act_is_refused(orbident: Orbident, environment: str, words: str):
-    simulated(orbident, environment).refused("m.yaml: ", words)
+    simulated(orbident, environment).refused("m.yaml:", words)
     assert not Path("r.csv").exists()

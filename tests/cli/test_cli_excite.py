@@ -68,8 +68,8 @@ def test_a_score_that_falls_from_search_to_truth_is_told():
         motion = Trajectory(1.0, (), none, none, still, still)
         return replace(motion, design={"value": value, "searched_value": searched})
 
-    assert not excite_tables.design_doubts(design(100.0, 99.0))
-    (sentence,) = excite_tables.design_doubts(design(832.0, 81.4))
+    assert not excite_tables.design_doubts(design(100.0, 99.0), ())
+    (sentence,) = excite_tables.design_doubts(design(832.0, 81.4), ())
     assert "81.4" in sentence
     assert "832" in sentence
 
@@ -276,12 +276,33 @@ def test_a_motion_that_shows_too_little_is_not_trusted(orbident):
     assert "does not determine all parameters" in ran.err
 
 
-def test_without_a_wheel_the_reason_is_named(orbident):
-    limits = "limits: {joint1: {velocity: 1}, joint2: {velocity: 1}}\n"
-    path = robot_file(Path(), ARM, limits)
+LIMITS = "limits: {joint1: {velocity: 1}, joint2: {velocity: 1}}\n"
+WHEEL = "wheels: [{name: rw, axis: [1, 0, 0], inertia: 0.1}]\n"
+GYRO = (
+    "sensors: {gyro: {angle_random_walk: 1e-6}, joints: {position: 1e-5}, "
+    "wheels: {position: 1e-5}}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("lines", "needed"),
+    [("", "needs wheels"), (WHEEL + GYRO, "needs position or accelerometer")],
+)
+def test_what_instruments_do_not_show_is_named(orbident, lines, needed):
+    """And not that more harmonics would help."""
+    path = robot_file(Path(), ARM, LIMITS + lines)
     ran = orbident("excite", path, "--duration", 10, "--starts", 1, "-o", "m.yaml")
+    assert needed in ran.err
+    assert "harmonics" not in ran.err
+
+
+def test_identify_refuses_what_lacks_it(orbident):
+    path = robot_file(Path(), ARM, LIMITS + WHEEL + GYRO)
+    orbident("excite", path, "--duration", 10, "--starts", 1, "-o", "m.yaml")
+    orbident("simulate", path, "m.yaml", "-o", "r.csv", "--noise", "sensors")
+    ran = orbident("identify", path, "r.csv", "--method", "least-squares")
     assert ran.status == 1
-    assert "because the robot has no wheel" in ran.err
+    assert "phi and the mass are not determined" in ran.err
 
 
 def test_pulses_of_a_robot_without_joints(orbident, tmp_path):

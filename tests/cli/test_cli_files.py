@@ -92,7 +92,7 @@ def test_what_is_in_a_file(orbident: Orbident):
         # A table has no header beside the time of its rows.
         "offset": None,
         "drift": None,
-        "ranges": {},
+        "ranges": {"q": [0.0, 0.0]},
     }
     proposal = Path("map.yaml").read_text()
     assert "  # / (table) has nothing to take\n" in proposal

@@ -189,6 +189,6 @@ def load_spec(path: str | os.PathLike[str]) -> SpecFile:
         InputError: the file is missing, not YAML, has a key twice, an unknown key, an
             unknown distribution or method, or a value that a campaign cannot have.
     """
-    path = Path(path)
-    document = read_yaml_mapping(read_text(path), str(path), SCHEMA)
-    return SpecFile(validated(Spec, document, str(path)), document, path)
+    path, text = Path(path), read_text(Path(path))
+    document = read_yaml_mapping(text, str(path), SCHEMA)
+    return SpecFile(validated(Spec, document, str(path), text), document, path)

@@ -151,11 +151,12 @@ def excite(
         described, (duration, harmonics), like, like_paper, limits
     )
     from orbident.excitation.floating import was_at_rest
+    from orbident.robot.oddities import not_shown
 
     asked = {"objective": objective, "starts": starts, "budget": budget, "seed": seed}
     made = _designed(described, places, given, asked | {"uncertainty": uncertainty})
     last = made[-1]
-    output.warn(design_doubts(last))
+    output.warn(design_doubts(last, not_shown(described)))
     if was_interrupted(last):
         output.warn([INTERRUPTED])
     at_rest = was_at_rest(described, given.initial, given.start)

@@ -26,12 +26,6 @@ BESIDE = {
 SINGULAR = 1e6
 """Condition number from which encoders, good to 1e-5 rad or so, hide parameters."""
 
-NO_WHEEL = (
-    "no motion determines all parameters, because the robot has no wheel: without a "
-    "momentum that is known nothing fixes their scale; declare the robot's wheels, or "
-    "the joints that are wheels"
-)
-
 NOT_EXCITED = (
     "the motion does not determine all parameters; give more harmonics or a longer "
     "duration, or declare sensors and use the objective d"
@@ -57,13 +51,13 @@ KNOWN_AT_REST = (
 )
 
 
-def design_doubts(found: Any) -> list[str]:
-    """What makes a design doubtful."""
-    made, sentences = found.design, []
+def design_doubts(found: Any, unshown: tuple[str, ...]) -> list[str]:
+    """What makes a design doubtful, beside what instruments never show."""
+    made, sentences = found.design, list(unshown)
     value, searched = made["value"], made["searched_value"]
     if not excites_all(found):
-        without = NOT_EXCITED if found.initial.wheel_speed else NO_WHEEL
-        sentences.append(without if found.joints else NOT_PULSED)
+        # No motion shows what the instruments do not.
+        sentences = sentences or [NOT_EXCITED if found.joints else NOT_PULSED]
     elif abs(searched - value) > AGREEMENT * value:
         sentences.append(
             f"the search valued this motion at {searched:.4g}, but the motion that it "

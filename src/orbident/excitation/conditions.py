@@ -138,8 +138,7 @@ def limits_of(
             "impulse limit: thrusters are fired only where a robot has no joints; "
             "leave the limit out"
         )
-    rigid = "make it fixed in a copy of the model, or leave out 'flexible'"
-    require_measured(robot, "the design of a motion", rigid)
+    require_measured(robot, "the design of a motion")
     for joint in (robot.joints[k] for k in coupled_joints(robot).free):
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
             raise InputError(

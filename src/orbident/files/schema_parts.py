@@ -36,10 +36,13 @@ _REMEDIES = {
 }
 
 
-def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model:
+def validated(
+    model: type[Model], document: dict[Any, Any], place: str, text: str = ""
+) -> Model:
     """The document as an instance of a schema.
 
-    The schema is a class with typed fields; messages begin with the place.
+    The schema is a class with typed fields; messages begin with the place, and tell the
+    line of the YAML text that was read.
 
     Raises:
         InputError: the first thing that is wrong, and how many more there are.
@@ -47,16 +50,36 @@ def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model
     try:
         return adapter(model).validate_python(document)
     except ValidationError as error:
-        raise InputError(_one_line(error, place)) from None
+        raise InputError(_one_line(error, place, text)) from None
 
 
-def _one_line(error: ValidationError, place: str) -> str:
+def _one_line(error: ValidationError, place: str, text: str) -> str:
     # A file of another kind has many faults; the schema is the one that says so.
     faults = error.errors(include_url=False)
     first, *others = sorted(faults, key=lambda fault: fault["loc"] != ("schema",))
+    cause = first.get("ctx", {}).get("error")
+    unknown = (cause.key,) if isinstance(cause, _UnknownKeyError) else ()
+    place += _line(text, (*first["loc"], *unknown))
     where = ": ".join(filter(None, (place, _path(first["loc"]))))
     more = f" (and {len(others)} more)" if others else ""
     return " ".join(f"{where}: {_problem(first)}{more}".split())
+
+
+def _line(text: str, location: tuple[object, ...]) -> str:
+    """`:12`, the line of the last key of a location that is there; else nothing."""
+    node, line = yaml.compose(text, Loader=_StrictLoader), ""
+    for key in map(str, location):
+        entries = {}
+        if isinstance(node, yaml.MappingNode):
+            entries = {
+                k.value: (k, x) for k, x in node.value if isinstance(k.value, str)
+            }
+        elif isinstance(node, yaml.SequenceNode):
+            entries = {str(k): (x, x) for k, x in enumerate(node.value)}
+        if key in entries:
+            at, node = entries[key]
+            line = f":{at.start_mark.line + 1}"
+    return line
 
 
 def _path(location: tuple[int | str, ...]) -> str:
@@ -165,6 +188,12 @@ Direction = Annotated[tuple[float, float, float], BeforeValidator(nonzero_vector
 Name = Annotated[str, Field(min_length=1)]
 
 
+class _UnknownKeyError(InputError):
+    """A key of a mapping that has none of this name."""
+
+    key: object = None
+
+
 def with_known_keys(data: Any, keys: Sequence[str]) -> Any:
     """A mapping as it is given, if it has no other keys than these.
 
@@ -176,7 +205,9 @@ def with_known_keys(data: Any, keys: Sequence[str]) -> Any:
     for key in data:
         if key not in keys:
             known = suggestion(str(key), keys, "keys")
-            raise InputError(f"unknown key {quoted(key)}; {known}")
+            error = _UnknownKeyError(f"unknown key {quoted(key)}; {known}")
+            error.key = key
+            raise error
     return data
 
 

@@ -30,6 +30,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Coupling, Friction, Joint, Robot, Wheel
 from orbident.robot.formats.urdf_text import inertial_element
 from orbident.robot.fusing import Placement, fused
+from orbident.robot.joint_schema import make_stiff, parsed
 from orbident.robot.oddities import nonphysical
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -101,9 +102,10 @@ def wheel_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
 def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
     """The robot's URDF with the inertias of `theta`.
 
-    Links that are fixed to a body lose theirs, become massless. The wheels that are
-    links of their own keep theirs, which `theta` has in it. `theta` is of bodies that
-    can exist, without their wheels too; the rotors of geared motors are not in it.
+    Links that are fixed to a body become massless. Wheels that are links of their own
+    keep their inertia, which `theta` has in it. Flexible joints are stiff, as in the
+    URDF that the robot file names. `theta` is of bodies that can exist, without their
+    wheels too; the rotors of geared motors are not in it.
 
     Raises:
         InputError: the robot was not loaded from a URDF, or what was written does not
@@ -112,9 +114,7 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
     links = links_of(robot)
     own = theta - wheel_parts(robot)
     own[0] = transformed(own[0], np.eye(3), robot.feature_point)
-    root = ET.fromstring(
-        robot.urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
-    )
+    root = parsed(robot.urdf)
     for link in root.findall("link"):
         name = link.get("name", "")
         if name not in links.placements or name in links.wheels:
@@ -136,10 +136,10 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
             dynamics.set("damping", repr(friction.viscous))
             dynamics.set("friction", repr(friction.coulomb))
     add_comment(root, lacking_rotors(robot, NO_ROTORS))
+    _check_read_back(robot, theta, ET.tostring(root, encoding="unicode"))
+    make_stiff(root)
     ET.indent(root)
-    text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
-    _check_read_back(robot, theta, text)
-    return text
+    return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
 def add_comment(root: ET.Element, words: str) -> None:

@@ -22,6 +22,7 @@ from orbident.preprocessing.column_faults import (
 )
 from orbident.preprocessing.rates import false_rates
 from orbident.preprocessing.smoothing import Settings
+from orbident.recordings.column_checks import check_filled
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.no_measurements import (
     is_position,
@@ -86,10 +87,11 @@ def screened(robot: Robot, recording: Recording) -> Screened:
         recording: of any sensors.
 
     Raises:
-        InputError: a sensor shows one value throughout while joints move, a joint's
-            positions are in another unit, or the attitude of a planar robot leaves the
-            plane.
+        InputError: a column is empty, a sensor shows one value throughout while joints
+            move, a joint's positions are in another unit, or the attitude of a planar
+            robot leaves the plane.
     """
+    check_filled(recording.source, recording.columns)
     _check_alive(robot, recording)
     _check_in_plane(robot, recording)
     settings = Settings()
@@ -169,7 +171,10 @@ def _of_all(recording: Recording, rows: str, names: list[str]) -> Masks:
         same &= np.diff(column) == 0
     # A table of all columns is as large as the recording.
     if same.any():
-        found |= repeats(_table(recording, names))
+        table = _table(recording, names)
+        for mask in found.values():
+            table[mask] = np.nan
+        found |= repeats(table)
     return {(rows, why): mask for why, mask in found.items()}
 
 

@@ -177,8 +177,7 @@ def fits_of(
     name: str = "x",
 ) -> list[Roughness]:
     """How rough and how noisy each column is; arguments and errors of `smooth`."""
-    labels = [f"{name}[:, {k}]" for k in range(x.shape[1])]
-    columns = [_column(t, x[:, k], label) for k, label in enumerate(labels)]
+    columns = [_column(t, column, name) for column in x.T]
     given = _stds(std, len(columns), name)
     return [most_likely(column, s) for column, s in zip(columns, given, strict=True)]
 

@@ -3,14 +3,16 @@
 All that is wrong is told with its column and row, counted from 1.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
+from orbident.files.names import listed
 from orbident.recordings.columns import is_known
+from orbident.recordings.no_measurements import sensor_groups
 
 MATTERS = 1e-3
 """Of the time from row to row: a wheel of 100 rad/s turns 1 mrad in 1e-4 of 0.1 s."""
@@ -158,6 +160,21 @@ def check_size(source: str, name: str, values: np.ndarray) -> None:
             f"{values[huge[0]]:g}; give at most {LARGEST:g} in SI units, or leave the "
             "cell empty where there is no sample"
         )
+
+
+def check_filled(source: str, columns: Mapping[str, np.ndarray]) -> None:
+    """Refuses a sensor of which a column has no number at all.
+
+    Raises:
+        InputError: the column, and which belong to it.
+    """
+    for names in sensor_groups(columns).values():
+        empty = next((name for name in names if np.isnan(columns[name]).all()), None)
+        if empty:
+            raise InputError(
+                f"{source}: column '{empty}' has no number in any row; fill it, or "
+                f"leave out {listed(names)}"
+            )
 
 
 def check_attitude(source: str, components: Sequence[np.ndarray]) -> None:

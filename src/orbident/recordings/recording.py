@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from orbident.data_table import frame
 from orbident.errors import InputError
-from orbident.files.names import closest, listed
+from orbident.files.names import closest, counted, listed
 from orbident.recordings.column_checks import (
     as_column,
     check_attitude,
@@ -82,14 +82,19 @@ class Recording:
         attitude = vector_columns("attitude")
         if columns.keys() >= set(attitude):
             zero = np.logical_and.reduce([columns[name] == 0 for name in attitude])
-            if zero.any() and not zero.all():
+            if zero.all():
+                raise InputError(
+                    f"{self.source}: attitude: all {t.size} quaternions are zero, as "
+                    "of a tracker that sees nothing; leave out 'attitude.x' to '.w'"
+                )
+            if zero.any():
                 # So a tracker writes that it sees nothing.
                 for name in attitude:
                     column = np.where(zero, np.nan, columns[name])
                     columns[name] = as_column(self.source, name, column)
                 note = (
-                    "attitude: quaternions of zeros are taken as no samples, the first "
-                    f"at t = {t[zero.argmax()]:g} s"
+                    f"attitude: {counted(int(zero.sum()), 'quaternion')} of zeros left "
+                    f"out, the first at t = {t[zero.argmax()]:g} s"
                 )
                 object.__setattr__(self, "notes", (*self.notes, note))
             check_attitude(self.source, [columns[name] for name in attitude])
@@ -160,7 +165,7 @@ class Recording:
         """The recording of a flight that Basilisk has simulated, without noise.
 
         Args:
-            robot: Its `feature_point` is the hub's origin, [0, 0, 0].
+            robot: The hub's origin is that of its base link.
             states: The recorder of `scStateOutMsg`.
             wheels: The recorder of `rwSpeedOutMsg`: the robot's wheels in its order.
             joints: The recorders of `spinningBodyOutMsgs` (or of translating bodies),

@@ -42,14 +42,8 @@ def columns_of_mujoco(
     x, v = (int(at[free[0]]) for at in (model.jnt_qposadr, model.jnt_dofadr))
     # MuJoCo's quaternions have the scalar first.
     attitude = np.roll(qpos[:, x + 3 : x + 7], -1, axis=1)
-    R_WB, w_WB_B = quaternion_matrix(attitude), qvel[:, v + 3 : v + 6]
-    p_BS_B = np.broadcast_to(robot.feature_point, w_WB_B.shape)
-    columns = {
-        "gyro": w_WB_B,
-        "attitude": attitude,
-        "position": qpos[:, x : x + 3] + rotate(R_WB, p_BS_B),
-        "velocity": qvel[:, v : v + 3] + rotate(R_WB, np.cross(w_WB_B, p_BS_B)),
-    }
+    moved = qpos[:, x : x + 3], qvel[:, v : v + 3], qvel[:, v + 3 : v + 6]
+    columns = _of_base(robot, attitude, *moved)
     joints = (model.joint(k) for k in range(model.njnt))
     places = {joint.name: joint.id for joint in joints if joint.name}
     measured = [name for name in robot.joint_names if name not in robot.passive]
@@ -68,6 +62,24 @@ def columns_of_mujoco(
     return columns
 
 
+def _of_base(
+    robot: Robot,
+    attitude: Float[np.ndarray, "samples 4"],
+    p_WB_W: Float[np.ndarray, "samples 3"],
+    v_WB_W: Float[np.ndarray, "samples 3"],
+    w_WB_B: Float[np.ndarray, "samples 3"],
+) -> dict[str, np.ndarray]:
+    """`p_WS = p_WB + R_WB p_BS` and `v_WS = v_WB + R_WB (w x p_BS)`."""
+    R_WB = quaternion_matrix(attitude)
+    p_BS_B = np.broadcast_to(robot.feature_point, w_WB_B.shape)
+    return {
+        "gyro": w_WB_B,
+        "attitude": attitude,
+        "position": p_WB_W + rotate(R_WB, p_BS_B),
+        "velocity": v_WB_W + rotate(R_WB, np.cross(w_WB_B, p_BS_B)),
+    }
+
+
 OF_JOINTS = {"revolute": ("theta", "thetaDot"), "prismatic": ("rho", "rhoDot")}
 """Basilisk's names of how far and how fast a spinning or translating body is."""
 
@@ -75,7 +87,7 @@ OF_JOINTS = {"revolute": ("theta", "thetaDot"), "prismatic": ("rho", "rhoDot")}
 def columns_of_basilisk(
     robot: Robot, states: Any, wheels: Any, joints: Sequence[Any]
 ) -> dict[str, np.ndarray]:
-    """Columns with `t`, SI; S is the hub's origin B.
+    """Columns with `t`, SI; the hub's origin B is the base link's, and S the robot's.
 
     Raises:
         InputError: There are more or fewer wheels or joints than the robot has, or a
@@ -100,13 +112,9 @@ def columns_of_basilisk(
                 f"Basilisk: there are recorders of {given} {kind}, and the robot has "
                 f"{len(parts)}; give all of them in the robot's order"
             )
-    columns = {
-        "t": ns * 1e-9,
-        "attitude": of_mrp(np.asarray(states.sigma_BN)),
-        "gyro": np.asarray(states.omega_BN_B),
-        "position": np.asarray(states.r_BN_N),
-        "velocity": np.asarray(states.v_BN_N),
-    }
+    moved = map(np.asarray, (states.r_BN_N, states.v_BN_N, states.omega_BN_B))
+    columns = _of_base(robot, of_mrp(np.asarray(states.sigma_BN)), *moved)
+    columns["t"] = ns * 1e-9
     names = robot.wheel_names
     columns |= {f"wheel.{n}.speed": x for n, x in zip(names, of_wheels.T, strict=True)}
     for joint, recorder in zip(robot.joints, joints, strict=True):

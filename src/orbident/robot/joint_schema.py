@@ -141,20 +141,24 @@ def check_passive(
             )
 
 
-def require_measured(
-    robot: Robot, what: str, instead: str = "leave out 'passive' or 'flexible'"
-) -> None:
+def require_measured(robot: Robot, what: str, instead: str = "") -> None:
     """Refuse a robot with joints that nobody measures.
 
-    What needs all joints, and what to do instead, are in words.
+    What needs all joints is in words, and so is what to do instead: by default, to take
+    the robot for stiff.
 
     Raises:
         InputError: it has such joints.
     """
-    for name in robot.passive:
+    for passive in robot.passive:
+        name = passive.removesuffix(BEHIND)
+        how, stiff = "passive", "whose model has it fixed"
+        if name != passive:
+            how, stiff = "flexible", f"without '{name}' under flexible"
         raise InputError(
-            f"{robot.name}: joint '{name}' is passive, and {what} takes joints that "
-            f"are all driven and measured; {instead}"
+            f"{robot.name}: joint '{name}' is {how}, and {what} takes joints that are "
+            "all driven and measured; "
+            + (instead or f"use a copy of the robot file {stiff}")
         )
 
 
@@ -301,10 +305,23 @@ def check_driven(
 TURNING = ("revolute", "continuous")
 """The kinds of joints that may give way."""
 
+BEHIND = "'s flexibility"
+"""What the name of the passive joint has after that of the measured one."""
+
+MOTOR = "'s motor"
+"""What the name of the body between both has after that of the measured joint."""
+
+
+def parsed(urdf: str) -> ET.Element:
+    """A URDF's text with its comments."""
+    return ET.fromstring(
+        urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    )
+
 
 def flexibility(joint: str) -> str:
     """The name of the passive joint behind a measured one."""
-    return f"{joint}'s flexibility"
+    return f"{joint}{BEHIND}"
 
 
 def with_flexible_joints(
@@ -319,9 +336,7 @@ def with_flexible_joints(
     Raises:
         InputError: a flexible joint does not turn, or is passive too.
     """
-    root = ET.fromstring(
-        urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
-    )
+    root = parsed(urdf)
     joints = {
         joint.get("name", ""): joint
         for joint in root.findall("joint")
@@ -342,8 +357,8 @@ def with_flexible_joints(
             )
         like = {"like": flexibility(spring["like"])} if "like" in spring else {}
         passive[flexibility(name)] = {**spring, **like}
-        structure[f"{name}'s motor"] = {"massless": True}
-        _split(root, joints[name], f"{name}'s motor")
+        structure[f"{name}{MOTOR}"] = {"massless": True}
+        _split(root, joints[name], f"{name}{MOTOR}")
     others = {key: each for key, each in document.items() if key != "flexible"}
     return (
         {**others, "passive": passive, "structure": structure},
@@ -363,3 +378,17 @@ def _split(root: ET.Element, joint: ET.Element, between: str) -> None:
     for child in joint.findall("child"):
         joint.remove(child)
     ET.SubElement(joint, "child", link=between)
+
+
+def make_stiff(root: ET.Element) -> None:
+    """Take out of a URDF what `with_flexible_joints` has put in."""
+    joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
+    links = {link.get("name", ""): link for link in root.findall("link")}
+    for name, joint in joints.items():
+        spring, motor = joints.get(flexibility(name)), links.get(f"{name}{MOTOR}")
+        if spring is not None and motor is not None:
+            for child in joint.findall("child"):
+                joint.remove(child)
+            joint.extend(spring.findall("child"))
+            root.remove(spring)
+            root.remove(motor)

@@ -172,7 +172,7 @@ def oddities(robot: Robot) -> tuple[str, ...]:
         *_out_of_plane(robot),
         *_without_limits(robot),
         *_flat(robot),
-        *_without_wheels(robot),
+        *not_shown(robot),
         *odd_sensors(robot),
         *_far_point(robot),
     )
@@ -293,14 +293,31 @@ def _without_limits(robot: Robot) -> Iterator[str]:
             )
 
 
-def _without_wheels(robot: Robot) -> Iterator[str]:
+def not_shown(robot: Robot) -> tuple[str, ...]:
+    """What of `pi`, `phi` and the mass its instruments do not show: at most a sentence.
+
+    The velocity of S shows `phi` (Eq. 31), a momentum that is known gives `pi` its
+    scale (Eq. 24), and the mass takes both (Eq. 32). Where the file declares no sensor
+    at all, nobody knows which there are.
+    """
+    known, shown, unseen, needed = robot.sensors.declared, ["pi"], [], []
     torques = robot.sensors.torques or robot.torque_constants
-    if not (robot.wheels or robot.thrusters or torques):
-        yield (
-            "no wheels and no thrusters: without a momentum that is known, pi has no "
-            "scale and the mass is not identified; declare wheels (joints that are "
-            "wheels), thrusters, or torque sensors at joints"
+    if not (robot.wheels or robot.thrusters or robot.torquers or torques):
+        shown, unseen = ["ratios of pi"], ["the scale of pi"]
+        needed.append(
+            "wheels (joints that are wheels), thrusters, or torque sensors at joints"
         )
+    if known and not {"position", "accelerometer"} & set(known):
+        unseen.append("phi")
+        needed.append("position or accelerometer under sensors")
+    elif known:
+        shown.append("phi")
+    if not unseen:
+        return ()
+    return (
+        f"its instruments show {' and '.join(shown)}, but for "
+        f"{', '.join(unseen)} and the mass 'identify' needs {'; and '.join(needed)}",
+    )
 
 
 def _without_sensors(robot: Robot) -> Iterator[str]:

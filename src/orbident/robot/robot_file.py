@@ -254,7 +254,7 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
         MissingLibraryError: the extra that this kind of file needs is not installed.
     """
     if isinstance(source, Mapping):
-        path, place = Path("robot.yaml"), "robot"
+        path, place, text = Path("robot.yaml"), "robot", ""
         document = {"schema": _SCHEMA, **_plain(source)}
     else:
         path, place = Path(source), str(source)
@@ -266,8 +266,9 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
             return _from_model(path)
         if suffix not in _YAML:
             raise InputError(_not_a_robot(path))
-        document = read_yaml_mapping(read_text(path), place, _SCHEMA)
-    return _described(document, path, place)
+        text = read_text(path)
+        document = read_yaml_mapping(text, place, _SCHEMA)
+    return _described(document, path, place, text)
 
 
 def _plain(value: Any) -> Any:
@@ -340,9 +341,9 @@ def _from_model(path: Path) -> Robot:
     return assembled(file, document, urdf, text, str(path))
 
 
-def _described(document: dict[Any, Any], path: Path, place: str) -> Robot:
+def _described(document: dict[Any, Any], path: Path, place: str, read: str) -> Robot:
     """The robot of a document; files that it names are relative to its path."""
-    file = validated(RobotFile, document, place)
+    file = validated(RobotFile, document, place, read)
     orbit = file.orbit.in_si(path.parent) if file.orbit else None
     urdf, text = _bodies(file, path, place)
     if file.flexible:

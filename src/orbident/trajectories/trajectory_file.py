@@ -84,9 +84,9 @@ def load_trajectory(path: str | os.PathLike[str]) -> Trajectory:
         InputError: The file is missing, not YAML, has a key twice, an unknown key, or
             a value that a trajectory cannot have.
     """
-    path = Path(path)
-    document = read_yaml_mapping(read_text(path), str(path), SCHEMA)
-    file = validated(_TrajectoryFile, document, str(path))
+    path, text = Path(path), read_text(Path(path))
+    document = read_yaml_mapping(text, str(path), SCHEMA)
+    file = validated(_TrajectoryFile, document, str(path), text)
     joints = file.joints.values()
     harmonics = max((len(joint.a) for joint in joints), default=0)
     initial = file.initial

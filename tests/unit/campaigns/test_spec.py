@@ -80,6 +80,6 @@ def test_one_line_says_what_is_wrong(tmp_path: Path, changes, words: str):
     path = write_campaign(tmp_path, **changes)
     with pytest.raises(InputError) as refused:
         load_spec(path)
-    assert str(refused.value).startswith(f"{path}: ")
+    assert str(refused.value).startswith(f"{path}:")
     assert words in str(refused.value)
     assert "\n" not in str(refused.value)

@@ -232,6 +232,21 @@ def test_rows_of_zeros_are_no_samples(seed: int):
         np.testing.assert_array_equal(np.isnan(column), lost)
 
 
+def test_zeros_that_follow_zeros_are_no_repeats():
+    """Each row that is left out is counted once."""
+    held = np.arange(N) % 4 == 1
+    lost = np.isin(np.arange(N), [201, 202, 203, 204, 300])
+    columns = {}
+    for name, x in FLIGHT.columns.items():
+        again = np.where(held, np.roll(x, 1), x)
+        columns[name] = np.where(lost, 0.0, again)
+    found = screened(ROBOT, FLIGHT.with_columns(columns))
+    assert found.rejected["rows"] == {
+        "sample of zeros alone": lost.sum(),
+        "repeat of the sample before": (held & ~lost & ~np.roll(lost, 1)).sum(),
+    }
+
+
 @pytest.mark.parametrize("count", [0.0, 1e-3])
 @pytest.mark.parametrize("rests", [1, 100])
 def test_a_robot_that_rests_at_zero_keeps_its_rows(rests: int, count: float):
@@ -251,12 +266,23 @@ def test_a_robot_that_rests_at_zero_keeps_its_rows(rests: int, count: float):
     assert "rows" not in screened(ROBOT, Recording(t, columns)).rejected
 
 
+@pytest.mark.parametrize("name", ["attitude.y", "joint.joint1.position", "gyro.x"])
+def test_a_column_that_is_empty_is_named(name: str):
+    """One attitude beside a gyro is enough, though."""
+    first = np.arange(N) < 1
+    x = np.where(first, FLIGHT.columns[name], np.nan)
+    screened(ROBOT, FLIGHT.with_columns({name: x}))
+    x[first] = np.nan
+    with pytest.raises(InputError, match=f"column '{name}' has no number in any row"):
+        screened(ROBOT, FLIGHT.with_columns({name: x}))
+
+
 def test_quaternions_of_zeros_are_noted():
     x = {name: FLIGHT.columns[name].copy() for name in FLIGHT.columns if "att" in name}
     for column in x.values():
         column[200:210] = 0.0
     found = screened(ROBOT, FLIGHT.with_columns(x))
     assert found.notes == (
-        "attitude: quaternions of zeros are taken as no samples, the first at t = 10 s",
+        "attitude: 10 quaternions of zeros left out, the first at t = 10 s",
     )
     assert np.isnan(found.recording.columns["attitude.w"]).sum() == 10

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from pages import ROOT
+from random_motions import random_motion
 from scipy.spatial.transform import Rotation
 
 import orbident as oi
@@ -134,6 +135,37 @@ def test_recorders_of_basilisk(spacecraft: dict[str, Any]):
         angles, rates = (f"joint.{name}.{word}" for word in ("position", "velocity"))
         np.testing.assert_array_equal(found.column(angles), each.theta)
         np.testing.assert_array_equal(found.column(rates), each.thetaDot)
+
+
+def test_a_robot_on_its_table_whose_point_is_beside_the_hub():
+    """A planar flight as Basilisk records its hub is identified as it was flown."""
+    folder, p_BS = ROOT / "src/orbident/robot/library", np.array([0.1, -0.05, 0.0])
+    file = yaml.safe_load((folder / "cepheus-like.yaml").read_text())
+    changed = {"urdf": str(folder / file["urdf"]), "feature_point": p_BS.tolist()}
+    robot = oi.load_robot({**file, **changed})
+    flown = oi.simulate(robot, random_motion(robot, start="spun up"))
+    x, w = Rotation.from_quat(flown.vector("attitude")), flown.vector("gyro")
+    states = recorder(
+        flown.t,
+        sigma_BN=x.as_mrp(),
+        omega_BN_B=w,
+        r_BN_N=flown.vector("position") - x.apply(p_BS),
+        v_BN_N=flown.vector("velocity") - x.apply(np.cross(w, p_BS)),
+    )
+    wheels = recorder(flown.t, wheelSpeeds=flown.column("wheel.rw.speed")[:, None])
+    angles, rates = (
+        [flown.column(f"joint.{name}.{word}") for name in robot.joint_names]
+        for word in ("position", "velocity")
+    )
+    joints = [
+        recorder(flown.t, theta=q, thetaDot=qd)
+        for q, qd in zip(angles, rates, strict=True)
+    ]
+    found = oi.Recording.from_basilisk(robot, states, wheels, joints)
+    for name in ("position", "velocity"):
+        np.testing.assert_allclose(found.vector(name), flown.vector(name), atol=1e-13)
+    result = oi.identify(robot, found, "least-squares", initial_momentum="at-rest")
+    assert float(result.mass) == pytest.approx(robot.mass, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -108,8 +108,8 @@ def test_charts_are_what_plotly_takes(page: str):
 def test_hostile_names_are_text():
     page = report_page(report_runs.hostile())
     seen = _seen(page)
-    # Of the page itself: figures, plotly and its own.
-    assert seen.tags.count("script") == 3
+    # Of the page itself: figures, plotly, and its own two.
+    assert seen.tags.count("script") == 4
     assert not {"img", "b"} & set(seen.tags)
     for name in report_runs.HOSTILE.values():
         assert name.strip() in seen.text, name

@@ -6,7 +6,10 @@ import yaml
 from urdf_texts import ARM, joint, link, robot
 
 from orbident.errors import InputError
+from orbident.excitation.conditions import limits_of
+from orbident.identified.exported_robot import exported_urdf
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.regularity import check_regular
 from orbident.robot.description import Passive, Structure
 from orbident.robot.robot_file import load_robot, write_robot
 
@@ -33,6 +36,26 @@ def test_base_parameters_are_those_of_the_stiff_robot(load_yaml):
     found, of_stiff = (minimal_sets(x).beta(x.theta) for x in (flexible, stiff))
     # Rounding in matrices of some ten rows.
     np.testing.assert_allclose(found, of_stiff, atol=1e-9)
+
+
+def test_the_exported_urdf_is_the_stiff_one(load_yaml, tmp_path):
+    """With the inertias of what was identified, for the robot file that there is."""
+    robot = load_yaml(ELBOW)
+    theta = 1.1 * robot.theta
+    text = exported_urdf(robot, theta)
+    again = load_yaml(ELBOW, text)
+    assert (again.joint_names, again.passive) == (robot.joint_names, robot.passive)
+    # Moved to the CM and back: rounding of 100 kg m^2.
+    np.testing.assert_allclose(again.theta, theta, rtol=1e-13, atol=1e-12)
+    stiff = load_yaml("", text)
+    assert stiff.joint_names == ("joint1", "joint2")
+    check_regular(stiff)
+
+
+def test_what_takes_none_names_the_joint_as_the_file_does(load_yaml):
+    words = r"joint 'joint2' is flexible, and the design .* without 'joint2' under"
+    with pytest.raises(InputError, match=words):
+        limits_of(load_yaml(ELBOW))
 
 
 def test_limits_are_of_the_motor(load_yaml):

@@ -97,5 +97,5 @@ def test_every_group_has_a_size_or_a_density():
 def test_what_is_no_size_is_refused_in_one_line(load_yaml, given, message):
     with pytest.raises(InputError, match=message) as error:
         load_yaml(f"disturbances: {given}")
-    assert str(error.value).count("servicer.yaml: disturbances") == 1
+    assert str(error.value).count("servicer.yaml:3: disturbances") == 1
     assert "\n" not in str(error.value)

@@ -137,7 +137,7 @@ def test_what_is_no_orbit_is_one_line(load_yaml, case: str):
         load_yaml(f"orbit: {{{orbit}}}")
     message = str(refused.value)
     assert words in message
-    assert "servicer.yaml: orbit" in message or "flight.oem: " in message
+    assert "servicer.yaml:3: orbit" in message or "flight.oem: " in message
     assert "\n" not in message
 
 

@@ -1,6 +1,7 @@
 """What every file of tables is read as: groups of fields over one time."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -91,7 +92,7 @@ def field_of(
     elif numbers > _LONGEST:
         problem = f"has {numbers} numbers; write at most {_LONGEST} of them"
     elif numbers < 2:
-        problem = "is a single number, not one for each time"
+        problem = "is a single number, not one for each time" if numbers else "is empty"
     return LogField(tuple(sizes), read, "ns" if dtype.kind == "M" else unit, problem)
 
 
@@ -143,8 +144,12 @@ class Group:
     @property
     def time(self) -> str | None:
         """The field that is its time by its name."""
-        names = (n for n, f in self.fields.items() if _is_time(n) and not f.problem)
-        return next(names, None)
+        return next(filter(_is_time, self.usable), None)
+
+    @property
+    def usable(self) -> Iterator[str]:
+        """The names of the fields that can be taken."""
+        return (name for name, each in self.fields.items() if not each.problem)
 
     def unit(self, name: str) -> str:
         """The unit of a field, as `UNITS` names it; empty if the file tells none."""
@@ -166,15 +171,29 @@ class Group:
                 although none is named.
         """
         found, part = self._field(name)
+        values = self._values(name, found)
+        return values if part is None else values[:, part]
+
+    def extent(self, name: str) -> tuple[float, float] | None:
+        """The least and the largest number of a field, of all its columns together.
+
+        None where it has no finite one, or cannot be read.
+        """
+        values = np.empty(0)
+        with suppress(InputError):
+            values = self._values(name, self.fields[name])
+        finite = values[np.isfinite(values)]
+        return (float(finite.min()), float(finite.max())) if finite.size else None
+
+    def _values(self, name: str, found: LogField) -> np.ndarray:
         try:
-            values = found.values()
+            return found.values()
         # What the libraries raise over damaged bytes is of any kind.
         except Exception as error:
             raise InputError(
                 f"{self.place}: topic '{self.name}': field '{name}' cannot be read "
                 f"({one_line(error)}); copy or write the file again"
             ) from error
-        return values if part is None else values[:, part]
 
     def samples(self, name: str) -> int:
         """How many `column` would read.
@@ -240,6 +259,6 @@ def groups(tree: Tree, place: str) -> dict[str, Group]:
 
 def listed_fields(group: Group) -> Iterator[str]:
     """Each field as a map names it: `x`, or `x.0 to .2`."""
-    for name, each in group.fields.items():
-        if not each.problem:
-            yield f"{name}.0 to .{each.width - 1}" if each.width else name
+    for name in group.usable:
+        width = group.fields[name].width
+        yield f"{name}.0 to .{width - 1}" if width else name

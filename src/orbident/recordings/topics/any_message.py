@@ -50,6 +50,16 @@ def _parts(value: Any, names: Any) -> Mapping[str, Any]:
     return dict(zip(keys, value, strict=True))
 
 
+def _steps(message: Any, path: str) -> Iterator[tuple[str, Mapping[str, Any], Any]]:
+    """Each key of a path, the parts among which it is, by number too, and of what."""
+    found, names = message, ()
+    for key in path.split("."):
+        parts = _parts(found, names)
+        parts = {str(k): each for k, each in enumerate(parts.values())} | {**parts}
+        yield key, parts, found
+        found, names = parts.get(key), getattr(found, "name", ())
+
+
 class Message(Fields):
     """A table of one row; a field is a path in the message, such as `pose.position.x`.
 
@@ -96,6 +106,17 @@ class Message(Fields):
         ]
         yield Extraction(self._sent(message), values)
 
+    def lacked(self, message: Any, column: str) -> str:
+        """The element that an array never has, and those that it has."""
+        for target in self.targets:
+            slots = self._slots_of(target) if column in target.columns else ()
+            for path in (slot.field for slot in slots if slot.field):
+                for key, parts, _ in _steps(message, path):
+                    if key not in parts:
+                        known = suggestion(key, parts, "elements")
+                        return f"'{path}': there is no '{key}'; {known}"
+        return ""
+
     def _sent(self, message: Any) -> int | None:
         if not self.stamp:
             return header_stamp(getattr(message, "header", None))
@@ -109,13 +130,11 @@ class Message(Fields):
         Raises:
             InputError: there is no such field, or it is no number.
         """
-        found, names = message, ()
-        for key in path.split("."):
-            parts = _parts(found, names)
-            parts = {str(k): each for k, each in enumerate(parts.values())} | {**parts}
-            if key not in parts and isinstance(found, list | np.ndarray):
+        found = message
+        for key, parts, within in _steps(message, path):
+            if key not in parts and isinstance(within, list | np.ndarray):
                 return nan
-            found, names = parts.get(key), getattr(found, "name", ())
+            found = parts.get(key)
         if isinstance(found, np.number):
             found = found.item()
         if not isinstance(found, int | float):

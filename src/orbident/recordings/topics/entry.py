@@ -141,6 +141,11 @@ class Entry(MappingSchema):
         del message
         return iter(())
 
+    def lacked(self, message: Any, column: str) -> str:
+        """What a message lacks of a column, in words; empty if that is nothing."""
+        del message, column
+        return ""
+
     @abstractmethod
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """Samples' values, their quaternions of length one, as columns in SI."""

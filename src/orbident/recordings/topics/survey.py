@@ -5,6 +5,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from itertools import islice
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,6 +52,8 @@ def open_source(path: Path) -> AbstractContextManager[Source]:
     return open_bag(path)
 
 
+LISTED = 100
+"""Fields of a table that are listed, with their ranges."""
 _EXAMPLES = 200
 """Messages of a topic that are decoded, the first and as many spread over the rest."""
 _FEWEST = 9
@@ -73,7 +76,8 @@ class Surveyed:
     example: Any = field(default=None, repr=False)
     """The first message of the topic that can be decoded."""
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    """Least and largest value of each number of its messages, as they are there."""
+    """Least and largest value of each number of its messages, or of each field of a
+    table, as they are there."""
     offset: float | None = None
     """s, header minus receive, the median: how far the sender's clock is ahead."""
     drift: float | None = None
@@ -116,7 +120,12 @@ def _surveyed_table(group: Group) -> Surveyed:
         interval = float(np.median(np.diff(exact)))
         # What the times' own rounding leaves of it.
         rate = float(f"{1e9 / (interval * unit):.6g}") if interval > 0 else None
-    return Surveyed(group, rate, tuple(listed_fields(group)))
+    ranges = {
+        name: extent
+        for name in islice(group.usable, LISTED)
+        if name != time and (extent := group.extent(name))
+    }
+    return Surveyed(group, rate, tuple(listed_fields(group)), ranges=ranges)
 
 
 @dataclass

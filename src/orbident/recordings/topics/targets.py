@@ -13,6 +13,7 @@ from pydantic import BeforeValidator
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST
+from orbident.files.names import closest, quoted
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.columns import (
     OF_PARTS,
@@ -209,6 +210,14 @@ def _of_angles(angles: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
     return product(x[2], product(x[1], x[0]))
 
 
+def dimension_of(column: str) -> str:
+    """What a column of a recording is of, such as "length"; else nothing."""
+    head, last = column.split(".")[0], column.rsplit(".", 1)[-1]
+    if not is_known(column):
+        return ""
+    return DIMENSION_OF.get(head) or _OF_PARTS.get((head, last), ("",))[0]
+
+
 def target_of(name: str, unit: object) -> Target:
     """What a key of `take` names.
 
@@ -227,8 +236,9 @@ def target_of(name: str, unit: object) -> Target:
             return Target(name, unit, columns, width, example)
         si = DIMENSIONS["angle"][unit]
         return Target(name, unit, columns, width, example, si, "angle")
+    dimensions = _dimensions(name)
     try:
-        found = unit_of(*_dimensions(name))(unit)
+        found = unit_of(*dimensions)(unit)
     except InputError as error:
         raise InputError(f"take: {name}: found {unit!r}; {error}") from None
     if name in VECTORS:
@@ -243,8 +253,12 @@ def _dimensions(name: str) -> tuple[str, ...]:
         return _OF_PARTS[head, last]
     whole = name in VECTORS or is_known(name)
     if not whole or head not in DIMENSION_OF:
+        middle = ".".join(name.split(".")[1:-1]) or "<name>"
+        parts = (f"{kind}.{middle}.{of}" for kind, of in _OF_PARTS)
+        close = closest(name, [*DIMENSION_OF, "attitude", *parts])
+        hint = f"did you mean {quoted(close)}? " if close else ""
         raise InputError(
-            "give a column that numbers can fill, such as wheel.<name>.speed, "
-            "joint.<name>.position, gyro or attitude"
+            f"take: found {quoted(name)}; {hint}give a column that numbers can fill, "
+            "such as wheel.<name>.speed, joint.<name>.position, gyro or attitude"
         )
     return (DIMENSION_OF[head],)

@@ -19,14 +19,18 @@ from orbident.files.names import joined, suggestion
 from orbident.files.schema_parts import MappingSchema, read_yaml_mapping, validated
 from orbident.files.text import read_text
 from orbident.recordings.columns import VECTORS, is_known, vector_columns
-from orbident.recordings.logs.group import Group, listed_fields
+from orbident.recordings.logs.group import Group
 from orbident.recordings.topics.any_message import Message
 from orbident.recordings.topics.entry import Entry
 from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
 from orbident.recordings.topics.presets import preset_path, preset_topics, presets
-from orbident.recordings.topics.survey import Surveyed
-from orbident.recordings.topics.targets import DIMENSION_OF, DIMENSIONS
+from orbident.recordings.topics.survey import LISTED, Surveyed
+from orbident.recordings.topics.targets import (
+    DIMENSION_OF,
+    DIMENSIONS,
+    dimension_of,
+)
 from orbident.robot.description import Robot
 
 SCHEMA = "orbident/topic-map/1"
@@ -89,11 +93,11 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
 _UNITS = {name: next(iter(DIMENSIONS[of])) for name, of in DIMENSION_OF.items()}
 _UNITS["attitude"] = "quaternion"
 _OF_JOINTS = {"position": "rad", "torque": "N m", "current": "A"}
-_SHOWN = 100
-"""Fields that are listed."""
 
 
-def proposed_table(group: Group, robot: Robot | None) -> Iterable[str]:
+def _proposed_table(
+    found: Surveyed, group: Group, robot: Robot | None
+) -> Iterable[str]:
     """Lines of YAML: the time, what has a column's name already, and the fields."""
     time = group.time
     if time is None:
@@ -112,12 +116,12 @@ def proposed_table(group: Group, robot: Robot | None) -> Iterable[str]:
             yield "point: S  # check that the feature point is what is measured"
     else:
         yield from _to_fill(robot)
-    names = [
-        f"{name} in {group.unit(name)}" if group.unit(name) else name
-        for name in listed_fields(group)
+    seen = (
+        _seen_field(found, name, group.unit(name), words)
+        for name, words in zip(group.usable, found.labels, strict=True)
         if name != time
-    ]
-    yield from _listing(names)
+    )
+    yield from _listing(seen)
     for name, field in group.fields.items():
         if field.problem:
             # What to do about it is for those who want to take it.
@@ -139,13 +143,23 @@ def _names_of(robot: Robot) -> str:
     return " ".join(f"# {robot.name} has joints {joints}; wheels {wheels}".split())
 
 
-def _listing(names: Sequence[str], a_line: int = 5) -> Iterable[str]:
+def _listing(seen: Iterable[str]) -> Iterable[str]:
+    seen = tuple(seen)
     yield "# fields that there are:"
-    for start in range(0, min(len(names), _SHOWN), a_line):
-        part = names[start : min(start + a_line, _SHOWN)]
-        yield f"#   {', '.join(' '.join(each.split()) for each in part)}"
-    if len(names) > _SHOWN:
-        yield f"#   and {len(names) - _SHOWN} more"
+    yield from (f"#   {' '.join(each.split())}" for each in seen[:LISTED])
+    if len(seen) > LISTED:
+        yield f"#   and {len(seen) - LISTED} more"
+
+
+def _seen_field(found: Surveyed, name: str, unit: str, words: str) -> str:
+    """A field of a table, its unit if the file tells one, and its range."""
+    if unit:
+        words += f" in {unit}"
+    if name not in found.ranges:
+        return words
+    # A wheel turns on and on.
+    silent = unit or name.startswith("wheel.")
+    return words + _seen(found.ranges[name], "" if silent else dimension_of(name))
 
 
 def _any_message(found: Surveyed, robot: Robot | None) -> Iterable[str]:
@@ -153,7 +167,7 @@ def _any_message(found: Surveyed, robot: Robot | None) -> Iterable[str]:
         yield "# TODO stamp: {<the field that holds the time>: us}, if there is one"
     yield from _to_fill(robot)
     seen = [f"{path}{_seen(x, '')}" for path, x in found.ranges.items()]
-    yield from _listing(seen, a_line=1)
+    yield from _listing(seen)
 
 
 _RATHER: Mapping[str, tuple[float, float, str]] = {
@@ -239,7 +253,7 @@ def proposed_map(surveyed: Sequence[Surveyed], robot: Robot | None = None) -> st
             lines.append(f"  # {topic.name} ({topic.type}) has nothing to take")
             continue
         if isinstance(topic, Group):
-            body = ["type: table", *proposed_table(topic, robot)]
+            body = ["type: table", *_proposed_table(each, topic, robot)]
         elif each.ranges:
             body = [f"type: {topic.type}", *propose(each, robot)]
         else:

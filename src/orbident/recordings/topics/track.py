@@ -113,6 +113,7 @@ class Track:
         self.rows = RowFile(out, len(entry.columns))
         self._stamps, self._received = array("q"), array("q")
         self._waiting: list[Any] = []
+        self._last: Any = None
         self._labels: Counter[tuple[str, ...]] = Counter()
         self._undecodable = self._with_gaps = self._bad = self._zeros = 0
         self._first_bad = ""
@@ -130,6 +131,7 @@ class Track:
         if isinstance(self.entry, Table):
             self._extend(*self.entry.rows(message))
             return
+        self._last = message
         self._labels[self.entry.labels(message)] += 1
         for sample in self.entry.samples(message):
             self._stamps.append(sample.stamp or 0)
@@ -166,7 +168,10 @@ class Track:
             )
         self._check_labels(place)
         if 0 < self._zeros == len(self._stamps):
-            self._bad, self._first_bad = self._zeros, self._named(0, 0.0)
+            raise InputError(
+                f"{place}: all {self._zeros} quaternions are zero, as of a tracker "
+                "that sees nothing; take nothing from it that needs its attitude"
+            )
         if self._bad:
             raise InputError(
                 f"{place}: {self._bad} of {len(self._stamps)} quaternions are not of "
@@ -175,9 +180,10 @@ class Track:
             )
         if not self._ever.all():
             never = self.entry.columns[int(np.argmin(self._ever))]
+            lacked = self.entry.lacked(self._last, never)
             raise InputError(
-                f"{place}: column '{never}' never has a finite number; take it out of "
-                "the map"
+                f"{place}: column '{never}' never has a finite number; "
+                + (lacked or "take it out of the map")
             )
         wanted = self.entry.wanted
         incomplete = sum(

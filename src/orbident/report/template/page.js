@@ -37,6 +37,10 @@
       paper_bgcolor: "transparent", plot_bgcolor: "transparent",
       font: { family: "system-ui, sans-serif", size: 12, color: style.getPropertyValue("--ink") },
       legend: { orientation: "h", x: 1, xanchor: "right", y: 1, yanchor: "bottom" },
+      modebar: {
+        bgcolor: "transparent", color: style.getPropertyValue("--faint"),
+        activecolor: style.getPropertyValue("--ink"),
+      },
       dragmode: touch ? false : "zoom",
       ...own,
       ...Object.fromEntries(axes.map((key) => [key, { ...axis, ...own[key] }])),

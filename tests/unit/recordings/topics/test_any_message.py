@@ -166,7 +166,10 @@ WRONG = {
     "text": ("state", "'state' is no number of its messages"),
     "an array": ("rate", "'rate' is no number of its messages; did you mean 'rate."),
     "a part of a number": ("timestamp.x", "'timestamp.x' is no number"),
-    "an element that never comes": ("q.7", "'joint.a.position' never has a finite"),
+    "an element that never comes": (
+        "q.7",
+        "'joint.a.position' never has a finite number; 'q.7': there is no '7'; known",
+    ),
 }
 
 
@@ -180,6 +183,16 @@ def test_refused(tmp_path: Path, case: str):
     with pytest.raises(InputError) as raised:
         converted(tmp_path, messages(), entry)
     assert words in str(raised.value)
+
+
+def test_an_element_whose_name_is_misspelt(tmp_path: Path):
+    entries = ENTRIES.replace("bodies.chaser.pose.pos", "bodies.chasr.pose.pos")
+    with pytest.raises(InputError) as raised:
+        converted(tmp_path, messages(), entries)
+    assert (
+        "topic '/bodies': column 'position.x' never has a finite number; "
+        "'bodies.chasr.pose.position.0': there is no 'chasr'; did you mean 'chaser'?"
+    ) in str(raised.value)
 
 
 def test_a_bag_without_definitions(tmp_path: Path):

@@ -362,9 +362,7 @@ def test_unit_quaternions_are_needed_only_where_they_are_used(tmp_path):
     entry = WHEEL.replace("{gyro: rad/s}", "{attitude: quaternion}")
     with pytest.raises(InputError) as raised:
         converted(tmp_path, sent, entry)
-    line = str(raised.value)
-    assert "topic '/imu': 300 of 300 quaternions" in line
-    assert "at 1700000000.000 s with norm 0" in line
+    assert "topic '/imu': all 300 quaternions are zero, as of" in str(raised.value)
 
 
 def test_a_bag_that_counts_more_messages_than_a_number_holds(tmp_path):

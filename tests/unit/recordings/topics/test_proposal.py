@@ -4,7 +4,9 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+import scipy.io
 from bag_writers import (
     KINDS,
     START,
@@ -161,3 +163,35 @@ def test_what_is_taken_is_in_the_messages(tmp_path: Path):
     proposal = proposed_map(survey_file(write_bag("ros1", tmp_path, few, "other")))
     assert "its orientation is all zero, so attitude is left out" in proposal
     assert "attitude: quaternion" not in proposal
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_a_table_tells_ranges_and_the_units_that_they_suggest(tmp_path: Path, kind):
+    """Not of what the file has a unit for, nor of wheels, which turn on and on."""
+    t = np.arange(100) / 10
+    columns = {
+        "t": t,
+        "joint.arm.position": 90 * np.sin(t),
+        "wheel.rw.position": 800 * t,
+        "level": np.where(t < 1, np.nan, t),
+        "never": np.full(100, np.nan),
+    }
+    path = tmp_path / f"run.{kind}"
+    if kind == "mat":
+        columns = {name.replace(".", "_"): x for name, x in columns.items()}
+        scipy.io.savemat(path, columns)
+    else:
+        table = pd.DataFrame(columns)
+        table.to_csv(path) if kind == "csv" else table.to_parquet(path)
+    proposal = proposed_map(survey_file(path))
+    hint = "" if kind == "mat" else " (deg?)"
+    for line in (
+        "joint.arm.position -89.9",
+        "wheel.rw.position 0 to 7920\n",
+        "level 1 to 9.9\n",
+        "never\n",
+    ):
+        name, space, rest = line.partition(" ")
+        shown = name.replace(".", "_") if kind == "mat" else name
+        assert f"#   {shown}{space}{rest}" in proposal
+    assert re.search(rf"position -89\.\d+ to 8\d\.\d+{re.escape(hint)}\n", proposal)

@@ -92,6 +92,10 @@ REFUSED = {
         "take names 2 columns; a Float64 feeds one",
     ),
     "no such column": (FLOAT + "take: {speed: rad/s}}", "give a column that numbers"),
+    "a misspelt column": (
+        FLOAT + "take: {wheel.a.sped: rad/s}}",
+        "take: found 'wheel.a.sped'; did you mean 'wheel.a.speed'?",
+    ),
     "a quaternion's part": (FLOAT + "take: {attitude.x: rad}}", "give a column that"),
     "another dimension": (
         FLOAT + "take: {wheel.a.speed: m/s}}",
