@@ -14,7 +14,7 @@ from orbident.diagnosis.late_clocks import (
     clocks,
     far_off,
 )
-from orbident.diagnosis.likeliest import LIKELIEST, Scored, likeliest, scored
+from orbident.diagnosis.likeliest import Scored, every_score, likeliest
 from orbident.diagnosis.linear_test import (
     FALLS,
     CorrectedConvention,
@@ -284,7 +284,7 @@ def _stages(
     late = far_off(problem)
     far = any(late.values())
     yield clocks(problem, late) if far else ()
-    untried += sorted(scored(solved), key=lambda each: -each.falls)
+    untried += sorted(every_score(solved), key=lambda each: -each.falls)
     yield likeliest(untried)
     # Wrong inertias of known wheels may look like another one.
     yield missing_wheel(problem)

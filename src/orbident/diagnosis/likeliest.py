@@ -41,7 +41,7 @@ def likeliest(untried: list[Scored]) -> Iterator[Trial]:
                 yield one._replace(score=first.falls)
 
 
-def scored(solved: Solved) -> Iterator[Scored]:
+def every_score(solved: Solved) -> Iterator[Scored]:
     """What each of them would explain to first order, and how it is tried."""
     problem, shown = solved.problem, solved.shown
     if shown is None or shown.solution is None or shown.sensitivity is None:

@@ -51,16 +51,16 @@ class Parameters(JsonPart):
         """Name, formula, value and standard deviation of each."""
         return zip(self.names, self.formulas, self.values, self.std, strict=True)
 
-    def __getitem__(self, name: str) -> "Quantity":
-        """One parameter by its name, such as `sigma_1`.
+    def __getitem__(self, name: str | int) -> "Quantity":
+        """One parameter by its name, such as `sigma_1`, or by its number, from 0.
 
         Raises:
-            InputError: there is none of that name.
+            InputError: there is none of that name or number.
         """
-        if name not in self.names:
-            hint = suggestion(name, self.names, "names")
+        k = self.names.index(name) if name in self.names else name
+        if isinstance(k, str) or k not in range(-len(self.names), len(self.names)):
+            hint = suggestion(str(name), self.names, "names")
             raise InputError(f"no parameter {name!r}; {hint}")
-        k = self.names.index(name)
         return Quantity(float(self.values[k]), float(self.std[k]))
 
     def __repr__(self) -> str:
@@ -170,6 +170,8 @@ class Quantity:
 
     def __repr__(self) -> str:
         """The number with its deviation."""
+        if np.isnan(self.value):
+            return "not determined"
         return f"{Numeric(self.value, '.6g', self.std)} +- {self.std:.2g}"
 
 
@@ -182,7 +184,7 @@ class TotalMass(Quantity):
 
     def __repr__(self) -> str:
         """The mass with its deviation and unit."""
-        return f"{super().__repr__()} kg"
+        return super().__repr__() + (" kg" if np.isfinite(self.value) else "")
 
 
 P = TypeVar("P", bound=Parameters)

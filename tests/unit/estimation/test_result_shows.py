@@ -67,6 +67,17 @@ def test_one_parameter_by_its_name():
     with pytest.raises(InputError, match=r"no parameter 'sigma1'.*sigma_1"):
         result.base["sigma1"]
     assert repr(result.mass) == f"{result['M']} kg"
+    assert repr(result.nothing().mass) == "not determined"
+
+
+def test_one_parameter_by_its_number():
+    """As of an array: from 0, and from behind."""
+    base = exact_result(load_robot("paper-spatial"), size=1e-4).base
+    assert base[3] == base[base.names[3]]
+    assert base[-1] == base[base.names[-1]]
+    for wrong in (18, -19):
+        with pytest.raises(InputError, match=r"no parameter .*; known names: 'M'"):
+            base[wrong]
 
 
 def test_differences_from_zero_and_without_deviation():
