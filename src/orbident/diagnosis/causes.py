@@ -14,7 +14,7 @@ from orbident.diagnosis.late_clocks import (
     clocks,
     far_off,
 )
-from orbident.diagnosis.likeliest import Scored, every_score, likeliest
+from orbident.diagnosis.likeliest import LIKELIEST, Scored, every_score, likeliest
 from orbident.diagnosis.linear_test import (
     FALLS,
     CorrectedConvention,
