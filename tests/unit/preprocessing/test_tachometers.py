@@ -36,12 +36,15 @@ def test_noise_of_joint_rates_does_not_show_in_the_other_sensors(by_joints):
     assert np.abs(by_joints.z(result)).max() < 4
 
 
-def test_noise_of_wheel_speeds_is_expected_in_the_gyro(by_wheels):
+def test_noise_of_wheel_speeds_does_not_show_in_the_gyro(by_wheels):
     result = oi.identify(by_wheels.robot, by_wheels.recording)
     assert result.level == "trust", result.warnings
+    assert result.origins["wheel_speeds"] == "derived: smoothed rates"
     gyro = result.residual.get("sensors", {})["gyro"]
-    own = by_wheels.gyro_std
-    # Declared: what both add up to; without tachometers it is the gyro's own.
-    assert gyro["declared"] > 1.2 * own
+    assert gyro["declared"] == pytest.approx(by_wheels.gyro_std)
     assert gyro["noise"] == pytest.approx(gyro["declared"], rel=0.1)
     assert np.abs(by_wheels.z(result)).max() < 4
+    # It is neither something from outside nor a free number.
+    assert not result.disturbances
+    assert not result.allowed
+    assert result.widened_by == 1.0
