@@ -86,7 +86,7 @@ def sensors_of(
     robot: Robot,
     recording: Recording,
     behind: Mapping[str, float],
-    speeds: Sequence[RateNoise],
+    speeds: Sequence[RateNoise] = (),
 ) -> Sensors:
     """The sensors of a recording, at the times at which they saw the world.
 
