@@ -25,8 +25,8 @@ Steps = Float[np.ndarray, "steps 3 3"]
 
 TABLED, FEWEST, MOST = 2**18, 8, 72
 """Rows of a recording times waves of the noise of a wheel's speed, as each is a table
-of all rows; and how many waves. With less nothing would be gained. More take ever
-longer, and change nothing about wheels that turn as slowly as a robot moves."""
+of all rows; and how many waves. Fewer hold nothing of a motion. So many hold what
+smoothing leaves of a wheel that speeds up and slows down within half a minute."""
 
 
 def waves_of_noise(rows: int) -> int:

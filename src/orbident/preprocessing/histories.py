@@ -35,8 +35,9 @@ LEAST = 1e-60
 
 
 IN_WAVES = 0.57
-"""Half a wave over the reach of a smoother that leaves a hundredth of its noise: at the
-angular rate `w` it leaves the part `1 / (1 + (w reach)^8)`."""
+"""Waves of noise, times the reach of a smoother over the recording's duration `T`, that
+hold all that it leaves: of wave `m` it leaves `1 / (1 + (m pi reach / T)^8)`, which is
+a hundredth there."""
 
 
 class RateNoise(NamedTuple):
