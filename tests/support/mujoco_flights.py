@@ -40,6 +40,9 @@ class Flight:
     acts: Acts
     breath: float = 0.0
     """The wheels' speeds rise and fall once, by this part of them."""
+    ramp: float = 0.0
+    """One wheel after another is so much faster for a while, rad/s: its speed rises and
+    falls at a constant rate, with corners."""
     dt: float = STEP
     """MuJoCo's steps, s."""
     hidden: Callable[[mujoco.MjSpec], None] = lambda _: None
@@ -103,6 +106,12 @@ class _Plant:
         turning = 2 * np.pi / flight.motion.duration
         self.speeds = speeds * (1 + flight.breath * np.sin(angle))
         self.slopes = speeds * flight.breath * turning * np.cos(angle)
+        for part, size in ((0.2, flight.ramp), (0.55, -flight.ramp)):
+            since = nodes[:, None] / flight.motion.duration - part
+            risen = (since - 0.07 * np.arange(speeds.size)) / 0.15
+            self.speeds += size * np.clip(risen, 0.0, 1.0)
+            rises = (risen > 0) & (risen < 1)
+            self.slopes += size * rises / (0.15 * flight.motion.duration)
         self.inside = flight.dt / 2
         self.tau = np.zeros(len(robot.joints))
 

@@ -16,6 +16,7 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
 from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import conserved_axes
+from orbident.preprocessing.histories import NO_NOISE
 from orbident.robot.description import Wheel
 
 SMALL = 1e-4
@@ -218,7 +219,11 @@ def _with_momentum(
         return replace(
             problem,
             robot=replace(robot, wheels=(*robot.wheels, *wheels)),
-            samples=replace(samples, qd_rw=(*samples.qd_rw, *speeds)),
+            samples=replace(
+                samples,
+                qd_rw=(*samples.qd_rw, *speeds),
+                speeds=(*samples.speeds, *len(wheels) * [NO_NOISE]),
+            ),
             recording=problem.recording.with_columns(columns),
         )
 

@@ -106,7 +106,7 @@ def _equations(problem: MomentumProblem, followed: Followed | None = None) -> Pr
     """
     robot = problem.robot
     late = delays(robot, problem.recording, problem.late)
-    sensors = sensors_of(robot, problem.recording, late)
+    sensors = sensors_of(robot, problem.recording, late, problem.samples.speeds)
     equations = problem_of(robot, problem.sets, problem.samples, sensors)
     if followed is None:
         return equations

@@ -16,6 +16,7 @@ AGENTS: dict[str, Agent] = {
         steady.BaseTorque(),
         steady.VaryingBaseTorque(),
         steady.WheelLoss(),
+        steady.WheelNoise(),
         steady.ForceAtS(),
         steady.Push(),
         air_table.LevelPull(),
@@ -51,6 +52,9 @@ WALKS = tuple(group for group, each in AGENTS.items() if each.density)
 
 DENSITY = {group: AGENTS[group].density for group in WALKS}
 """The fields of `MomentumWalk` that say how strong they are."""
+
+NOISE = steady.WheelNoise.group
+"""What is as large as it is declared: no more of it is tested for, or said to act."""
 
 FREE = 1e3
 """SI: standard deviation beforehand of what may be anything."""

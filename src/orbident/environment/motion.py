@@ -23,6 +23,18 @@ Steps = Float[np.ndarray, "steps 3 3"]
 """Vectors at the nodes of each step: what is switched differs on both sides of one."""
 
 
+TABLED, FEWEST, MOST = 2**18, 8, 72
+"""Rows of a recording times waves of the noise of a wheel's speed, as each is a table
+of all rows; and how many waves. Fewer hold nothing of a motion. So many hold what
+smoothing leaves of a wheel that speeds up and slows down within half a minute."""
+
+
+def waves_of_noise(rows: int) -> int:
+    """How many waves of the noise of a wheel's speed a fit has among its unknowns."""
+    waves = min(MOST, TABLED // rows)
+    return waves if waves >= FEWEST else 0
+
+
 class PointMotion(NamedTuple):
     """How a point moves; inertial axes."""
 
@@ -100,6 +112,8 @@ class RobotMotion:
     """From when to when something pushed a recorded robot, s, where that is known."""
     allowed: Mapping[str, MayAct] = field(default_factory=dict)
     """What may act on it, by group; what is absent does not."""
+    speed_noise: tuple[float, ...] = ()
+    """Its density in the speeds of a recording's wheels, rad/s/sqrt(Hz)."""
     predicted_w: Vectors | None = None
     """What a fit predicts of `w`, without a gyro's noise; but for constants, rad/s."""
 

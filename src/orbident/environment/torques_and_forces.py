@@ -24,6 +24,11 @@ Their integral is a random walk with the deviation `q sqrt(t)` (the cosines are
 orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
 `1 / (pi^2 WAVES)` of its variance. Such a force acts through the system CM.
 
+Noise of a wheel's speed is such waves, of the density `q = s sqrt(dt)`, where samples
+`dt` apart have the deviation `s`. So is what smoothing leaves of it, but for what is
+faster. A fit that uses `qd_rw + n` has the momentum `R_WB a I n` too much, as if it had
+come from outside.
+
 What swings inside a robot that its file takes for rigid, such as a panel, a boom or
 fuel, and faster than the robot moves, follows the base with a little more than its own
 momentum. To first order in the square of the two frequencies' ratio that of the robot
@@ -42,7 +47,13 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 from orbident.environment.agent import AXES, Agent, Disturbance, Named, World
-from orbident.environment.motion import Load, RobotMotion, Vectors, by_step
+from orbident.environment.motion import (
+    Load,
+    RobotMotion,
+    Vectors,
+    by_step,
+    waves_of_noise,
+)
 from orbident.environment.worlds import SHORTEST, world_of
 from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
@@ -160,6 +171,27 @@ class WheelLoss(Agent):
                 yield f"{wheel.name}.{m}", motion.in_inertial(torque)
 
 
+class WheelNoise(Agent):
+    """Tachometers' noise: wheels have other momentum than their speeds say."""
+
+    group = "wheel_noise"
+    unit = "rad/s/sqrt(Hz)"
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """The waves of each wheel's speed."""
+        t, R_WB = motion.t[::2], motion.R_WB[::2]
+        waves = _waves(t, waves_of_noise(t.size))
+        for wheel, std in zip(motion.robot.wheels, motion.speed_noise, strict=False):
+            for m, wave in enumerate(waves.T if std else ()):
+                h = rotate(R_WB, np.outer(wave, wheel.inertia * wheel.axis))
+                # That at the first row is there as soon as the second.
+                h[0] = 0.0
+                torque = np.diff(h, axis=0) / np.diff(t)[:, None]
+                steps = np.repeat(torque[:, None], 3, axis=1)
+                effect = motion.nothing._replace(torque=steps)
+                yield self.column(f"{wheel.name}.{m}", effect)._replace(std=std)
+
+
 class ForceAtS(Agent):
     """A force on the base at S: a fit sees a pull, and torques."""
 
@@ -275,11 +307,15 @@ def _covariance(t: np.ndarray, s: np.ndarray, lasts: float) -> np.ndarray:
 
 
 def _white(motion: RobotMotion, axes: Sequence[int]) -> Named:
-    since, T = motion.t - motion.t[0], motion.t[-1] - motion.t[0]
-    for m in range(WAVES + 1):
-        wave = np.sqrt((2 if m else 1) / T) * np.cos(m * np.pi * since / T)
+    for m, wave in enumerate(_waves(motion.t, WAVES).T):
         for k in axes:
             yield f"{AXES[k]}.{m}", wave[:, None] * np.eye(3)[k]
+
+
+def _waves(t: Float[np.ndarray, " n"], last: int) -> Float[np.ndarray, "n waves"]:
+    """Orthonormal cosines of up to so many half periods."""
+    m, T = np.arange(last + 1), t[-1] - t[0]
+    return np.sqrt(np.where(m, 2, 1) / T) * np.cos(m * np.pi * (t[:, None] - t[0]) / T)
 
 
 def _density(agent: Agent, motion: RobotMotion, mass: float, v: Vectors) -> float:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import (
@@ -36,6 +37,7 @@ from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
+from orbident.preprocessing.histories import RateNoise
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import smooth
@@ -88,11 +90,12 @@ def bound_of(
     ideal = {name: sensor.ideal() for name, sensor in declared.declared.items()}
     exact = replace(robot, sensors=declared.model_copy(update=ideal))
     recording = measure_truth(exact, motion.t, true).with_joints_of(robot)
-    sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
+    noise = _noise_of_speeds(robot, motion.t)
+    sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0), noise)
     # Nobody measures passive joints.
     seen = [name not in robot.passive for name in robot.joint_names]
     shown = motion._replace(q=motion.q * seen, qd=motion.qd * seen)
-    samples = _true_samples(robot, shown, wrenches, _shares(shown, sensors))
+    samples = _true_samples(robot, shown, wrenches, _shares(shown, sensors), noise)
     problem = problem_of(robot, sets, samples, sensors)
     # Where nothing acts they are constant, and else those at the start.
     h_cm, v_cm = (np.atleast_2d(each)[0] for each in (motion.h_cm, motion.v_cm))
@@ -169,15 +172,26 @@ def _shares(motion: FreeFloating | FreeFlying, sensors: Sensors) -> tuple[float,
     return tuple(share.tolist())
 
 
+def _noise_of_speeds(
+    robot: Robot, t: Float[np.ndarray, " rows"]
+) -> tuple[RateNoise, ...]:
+    """That of wheels of which tachometers alone tell; none without such."""
+    wheels = robot.sensors.wheels
+    if wheels is None or not wheels.tachometer or wheels.white_noise is not None:
+        return ()
+    noise = RateNoise.read(wheels.tachometer, t, t.size)
+    # These speeds are as smooth as the smoothed ones of a recording.
+    noise = noise._replace(white=0.0) if noise.density else noise
+    return (noise,) * len(robot.wheels)
+
+
 def _true_samples(
     robot: Robot,
     motion: FreeFloating | FreeFlying,
     wrenches: Wrenches,
     shares: tuple[float, ...],
+    noise: tuple[RateNoise, ...],
 ) -> Samples:
-    # Their noise is that of the momentum that predicts the base rate.
-    wheels = robot.sensors.wheels
-    tachometers = Origin.MEASURED if wheels and wheels.tachometer else Origin(0)
     return Samples(
         t=motion.t,
         q=tuple(motion.q.T),
@@ -191,6 +205,7 @@ def _true_samples(
         locked=(),
         shares=shares,
         worst=((0.0, 0.0),) * len(shares),
-        origins={"wheel_speeds": tachometers},
+        origins={"wheel_speeds": Origin.MEASURED if noise else Origin(0)},
+        speeds=noise,
         source="simulation",
     )

@@ -363,8 +363,9 @@ def _predicted(
 ) -> Iterator[tuple[str, Errors, Errors]]:
     """Errors of a window's pose, and the pose about its mean, along free axes."""
     sets = minimal_sets(robot)
-    sensors = sensors_of(robot, window, delays(robot, window, late))
     samples = samples_of(robot, window, late)
+    behind = delays(robot, window, late)
+    sensors = sensors_of(robot, window, behind, samples.speeds)
     problem = problem_of(robot, sets, samples, sensors)
     chosen = tuple(each for each in problem.instruments if each.name in errors)
     start = start_of(problem, samples, NOTHING, beta).carried(

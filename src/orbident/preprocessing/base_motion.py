@@ -5,7 +5,7 @@ an accelerometer at S felt. Noise of measured wheel speeds adds to what they pre
 the rate.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import UNTURNED
-from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.histories import Columns, RateNoise
 from orbident.preprocessing.integrals import (
     GyroNoise,
     fuse_attitude,
@@ -285,13 +285,22 @@ def _felt(
     return PointVelocity(tuple(columns), how)
 
 
-def momentum_noise(robot: Robot) -> Float[np.ndarray, "3 wheels"]:
-    """A root of the covariance of `h_rw`, N m s, by the declared tachometers."""
+def momentum_noise(
+    robot: Robot, speeds: Sequence[RateNoise]
+) -> Float[np.ndarray, "3 wheels"]:
+    """A root of the covariance of `h_rw`, N m s, by what is white in wheels' speeds."""
+    white = [each.white for each in speeds]
+    return wheels_of(robot).A_rw * np.array(white or 0.0)
+
+
+def declared_rate_noise(robot: Robot) -> float:
+    """The same as `rate_noise`, of speeds that are used as tachometers show them."""
     wheels = robot.sensors.wheels
-    return wheels_of(robot).A_rw * ((wheels and wheels.tachometer) or 0.0)
+    noise = RateNoise(0.0, (wheels and wheels.tachometer) or 0.0)
+    return rate_noise(robot, [noise] * len(robot.wheels))
 
 
-def rate_noise(robot: Robot) -> float:
+def rate_noise(robot: Robot, speeds: Sequence[RateNoise]) -> float:
     """Std of the predicted base rate, rad/s: `dw = -D^-1 dh_rw` (Eq. 3).
 
     Root mean square of the axes about which momentum is conserved, with the nominal
@@ -299,5 +308,5 @@ def rate_noise(robot: Robot) -> float:
     """
     axes = list(conserved_axes(robot)[0])
     D = inertia_at(robot, np.zeros(len(robot.joints))).D[np.ix_(axes, axes)]
-    dw = np.linalg.solve(D, momentum_noise(robot)[axes])
+    dw = np.linalg.solve(D, momentum_noise(robot, speeds)[axes])
     return float(np.linalg.norm(dw) / np.sqrt(len(axes)))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.environment.motion import waves_of_noise
 from orbident.model.kinematics import inertia_at
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times, fill
@@ -33,6 +34,33 @@ LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
 
 
+IN_WAVES = 0.57
+"""Waves of noise, times the reach of a smoother over the recording's duration `T`, that
+hold all that it leaves: of wave `m` it leaves `1 / (1 + (m pi reach / T)^8)`, which is
+a hundredth there."""
+
+
+class RateNoise(NamedTuple):
+    """Noise of a tachometer in a rate that it alone tells."""
+
+    density: float
+    """Of its waves, rad/s/sqrt(Hz); zero where a fit has none of them."""
+    white: float
+    """Of a sample that is used as it was read, rad/s; zero where they are smoothed."""
+
+    @classmethod
+    def read(
+        cls, std: float, t: Float[np.ndarray, " samples"], samples: int
+    ) -> "RateNoise":
+        """Noise of this deviation, with so many samples at some of these times."""
+        duration = float(t[-1] - t[0])
+        density = std * np.sqrt(duration / samples) if waves_of_noise(t.size) else 0.0
+        return cls(float(density), std)
+
+
+NO_NOISE = RateNoise(0.0, 0.0)
+
+
 class Histories(NamedTuple):
     """Histories of all joints, or of all wheels, in the robot's order."""
 
@@ -47,6 +75,8 @@ class Histories(NamedTuple):
     worst: tuple[tuple[float, float], ...]
     """The largest deviations of a smoothed position, rad or m, and of its rate, per
     second: those in the middle of a gap. Zero where they are not known."""
+    noise: tuple[RateNoise, ...]
+    """None where an angle is recorded, or where none is declared."""
 
 
 def histories(
@@ -63,6 +93,9 @@ def histories(
     Rates that were measured are used as they are. Others are those of the positions,
     as smooth as the encoders' noise says. Where the file declares the noise of a
     tachometer beside an encoder, the rate is the mean of what both say when smoothed.
+    That of a tachometer alone is smoothed where the waves of its noise that a fit has
+    among its unknowns hold all that smoothing leaves. A faster one is much larger than
+    its noise, and has corners, next to which smoothing would be far off.
 
     Args:
         recording: with a position or a rate of each of `names`.
@@ -97,6 +130,10 @@ def histories(
             if angle is None:
                 q = [at[name]] if recording.has(at[name]) else []
                 q = [_at(recording, column, late) for column in q]
+                if tachometer and not q:
+                    return _read_alone(
+                        recording, measured[name], tachometer, late, settings
+                    )
                 qd = _at(recording, measured[name], late)
                 return _History(q, qd, np.nan, (0.0, 0.0), Origin.MEASURED)
             share = settings.once(_share(at[name]), partial(_share_of, angle))
@@ -118,6 +155,7 @@ def histories(
         reduce(or_, (each.origin for each in every), Origin(0)),
         tuple(each.share for each in every),
         tuple(each.worst for each in every),
+        tuple(each.noise for each in every),
     )
 
 
@@ -130,6 +168,23 @@ class _History(NamedTuple):
     share: float
     worst: tuple[float, float]
     origin: Origin
+    noise: RateNoise = NO_NOISE
+
+
+def _read_alone(
+    recording: Recording, name: str, std: float, late: float, settings: Settings
+) -> _History:
+    """The rate by a tachometer with noise of this deviation, rad/s."""
+    t, column = recording.t, recording.columns[name]
+    noise = RateNoise.read(std, t, int(np.isfinite(column).sum()))
+    if noise.density and settings.whole:
+        rate = _smoothed(recording, [name], std, late, settings, False)[name].x[:, 0]
+        (fit,) = settings.smoothers(name, list)
+        if fit.reach * waves_of_noise(t.size) >= IN_WAVES * (t[-1] - t[0]):
+            noise = noise._replace(white=0.0)
+            return _History([], rate, np.nan, (0.0, 0.0), Origin.SMOOTHED_RATES, noise)
+    rate = _at(recording, name, late)
+    return _History([], rate, np.nan, (0.0, 0.0), Origin.MEASURED, noise)
 
 
 def _combined(

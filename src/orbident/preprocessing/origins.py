@@ -9,6 +9,7 @@ class Origin(Flag):
     MEASURED = auto()
     SMOOTHED_POSITIONS = auto()
     SMOOTHED_POSITIONS_AND_RATES = auto()
+    SMOOTHED_RATES = auto()
     SMOOTHED_ATTITUDE = auto()
     INTEGRATED_GYRO = auto()
     FUSED_ATTITUDE = auto()
@@ -33,6 +34,7 @@ WORDS = {
     Origin.MEASURED: "measured",
     Origin.SMOOTHED_POSITIONS: "derived: smoothed positions",
     Origin.SMOOTHED_POSITIONS_AND_RATES: "derived: smoothed positions and rates",
+    Origin.SMOOTHED_RATES: "derived: smoothed rates",
     Origin.SMOOTHED_ATTITUDE: "derived: smoothed attitude",
     Origin.INTEGRATED_GYRO: "derived: integrated gyro, from an attitude of zero",
     Origin.FUSED_ATTITUDE: "derived: gyro and attitude fused",

@@ -13,6 +13,7 @@ from orbident.preprocessing.histories import (
     Columns,
     Histories,
     Range,
+    RateNoise,
     held_joints,
     histories,
 )
@@ -85,6 +86,8 @@ class Samples:
     """How joint rates, wheel speeds and the velocity of S were obtained."""
     source: str
     """Where the recording came from, for messages."""
+    speeds: tuple[RateNoise, ...] = ()
+    """Noise of each wheel's speed; none where its angle was recorded."""
     pushed: tuple[float, float] | None = None
     """From when to when something pushed the robot, s, where that is known."""
     h_given: Columns = ()
@@ -255,6 +258,7 @@ def samples_of(
             "velocity": point.origin,
         },
         source=recording.source,
+        speeds=wheels.noise,
     )
 
 

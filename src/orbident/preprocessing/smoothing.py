@@ -89,6 +89,11 @@ class Roughness(NamedTuple):
     offset: float
     """As the column's."""
 
+    @property
+    def reach(self) -> float:
+        """How far smoothing reaches, s."""
+        return float(self.h * self.ratio ** (-1 / (2 * ORDER)))
+
 
 def smooth(
     t: Float[np.ndarray, " samples"],
@@ -327,6 +332,8 @@ class Settings:
 
     def __init__(self, longest: float = float("inf")) -> None:
         """Smoothers reach over so many samples at most."""
+        self.whole = np.isinf(longest)
+        """Whether they are found from all samples."""
         self._least = longest ** (-2 * ORDER)
         self._found: dict[str, Any] = {}
         self.locked: Mapping[str, float] | None = None

@@ -5,6 +5,10 @@ import pytest
 from clean_recordings import clean_space
 
 import orbident as oi
+from orbident.preprocessing.histories import Histories, histories
+from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.smoothing import Settings
+from orbident.robot.sensor_schema import EncoderSpec
 
 JOINTS, WHEELS = 1e-3, 0.05
 """rad/s."""
@@ -36,12 +40,49 @@ def test_noise_of_joint_rates_does_not_show_in_the_other_sensors(by_joints):
     assert np.abs(by_joints.z(result)).max() < 4
 
 
-def test_noise_of_wheel_speeds_is_expected_in_the_gyro(by_wheels):
+def test_noise_of_wheel_speeds_does_not_show_in_the_gyro(by_wheels):
     result = oi.identify(by_wheels.robot, by_wheels.recording)
     assert result.level == "trust", result.warnings
+    assert result.origins["wheel_speeds"] == "derived: smoothed rates"
     gyro = result.residual.get("sensors", {})["gyro"]
-    own = by_wheels.gyro_std
-    # Declared: what both add up to; without tachometers it is the gyro's own.
-    assert gyro["declared"] > 1.2 * own
+    assert gyro["declared"] == pytest.approx(by_wheels.gyro_std)
     assert gyro["noise"] == pytest.approx(gyro["declared"], rel=0.1)
     assert np.abs(by_wheels.z(result)).max() < 4
+    # It is neither something from outside nor a free number.
+    assert not result.disturbances
+    assert not result.allowed
+    assert result.widened_by == 1.0
+
+
+T = np.arange(601) / 20
+"""s."""
+
+
+def of_wheel(speed: np.ndarray, std: float) -> Histories:
+    """What is made of a speed that a tachometer of this noise alone shows."""
+    recording = oi.Recording(T, {"wheel.rw.speed": speed})
+    sensor = EncoderSpec(tachometer=std)
+    return histories(recording, "wheel", ["rw"], "speed", sensor, 0.0, Settings())
+
+
+def test_a_speed_that_changes_slowly_is_smoothed():
+    """What remains is less than the noise, and its waves have the density of all."""
+    true, std = 100 + 10 * np.sin(2 * np.pi * T / T[-1]), 0.1
+    read = true + std * np.random.default_rng(1).standard_normal(T.size)
+    found = of_wheel(read, std)
+    assert found.origin is Origin.SMOOTHED_RATES
+    # Smoothing leaves a hundredth or two of the variance.
+    assert np.std(found.rates[0] - true) < std / 4
+    (noise,) = found.noise
+    assert noise.density == pytest.approx(std * 0.05**0.5, rel=1e-2)
+    assert noise.white == 0.0
+
+
+def test_a_speed_with_corners_is_used_as_it_was_read():
+    """A smoother would be off by many deviations of so little noise next to them."""
+    rise = 100 + 20 * np.clip((T - 10) / 3, 0, 1)
+    read = rise + 0.003 * np.random.default_rng(1).standard_normal(T.size)
+    found = of_wheel(read, 0.003)
+    assert found.origin is Origin.MEASURED
+    np.testing.assert_array_equal(found.rates[0], read)
+    assert found.noise[0].white == 0.003

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident.environment.agent import Disturbance
-from orbident.environment.agents import PUSH, WALKS, disturbances, std_of
+from orbident.environment.agents import NOISE, PUSH, WALKS, disturbances, std_of
 from orbident.environment.motion import (
     Effect,
     PointMotion,
@@ -104,6 +104,7 @@ class Followed:
             },
             samples.pushed,
             self.allowed,
+            tuple(each.density for each in samples.speeds),
             self._between(self.intervals.t, self.predicted) if self.predicted else None,
         )
 
@@ -126,6 +127,7 @@ class Followed:
             v_S if v_S is None else v_S[np.isfinite(v_S).all(axis=1)],
         )
         allowed = what_may_act(self.robot, scale)
+        allowed[NOISE] = MayAct(float(any(map(any, samples.speeds))))
         return allowed | {PUSH: MayAct(np.inf)} if samples.pushed else allowed
 
     def _between(

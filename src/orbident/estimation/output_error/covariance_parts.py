@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import NOISE
 from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
 from orbident.estimation.output_error.sensors import (
@@ -148,5 +149,6 @@ def _families(
     first = solution.state.common.size - selected.size
     for k, place in enumerate(selected.tolist(), first):
         kind: Kind = "instrument" if place in own else "recording"
-        families.setdefault(by_place[place], (kind, []))[1].append(k)
+        name = by_place[place]
+        families.setdefault(name, ("noise" if name == NOISE else kind, []))[1].append(k)
     return families

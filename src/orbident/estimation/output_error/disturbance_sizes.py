@@ -20,7 +20,7 @@ from jaxtyping import Float, Int
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from orbident.environment.agents import AGENTS, FREE, STEADY, WALKS
+from orbident.environment.agents import AGENTS, FREE, NOISE, STEADY, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import inertia_of_walks
@@ -54,7 +54,8 @@ def identified(
         freed: groups that are larger than they may be.
     """
     fits = {}
-    groups = {each.family: each.std for each in problem.acting.expected}
+    acting = [each for each in problem.acting.expected if each.family != NOISE]
+    groups = {each.family: each.std for each in acting}
 
     def seen(*families: str) -> bool:
         value, C = sizes_of(problem, solution, *families)
@@ -95,13 +96,14 @@ def _of_rates(
 
 def widened_by(expected: Sequence[Unknown], solution: Solution) -> float:
     """Deviations of `beta` over those if nothing acted: the geometric mean."""
-    if not expected:
+    outside = [k for k, each in enumerate(expected) if each.family != NOISE]
+    if not outside:
         return 1.0
     C, state = solution.covariance, solution.state
     first = len(C) - state.common.size + OUTSIDE
     beta = slice(first, first + state.beta.size)
-    acts = slice(len(C) - len(expected), None)
-    by = np.linalg.solve(C[acts, acts], C[acts, beta])
+    acts = len(C) - len(expected) + np.array(outside)
+    by = np.linalg.solve(C[np.ix_(acts, acts)], C[acts, beta])
     held = np.einsum("ab,ab->b", C[acts, beta], by)
     all_of_it = np.diag(C)[beta]
     return float(np.exp(-0.5 * np.mean(np.log1p(-held / all_of_it))))

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.environment.agents import FREE, NEEDS, SLOW, WALKS
+from orbident.environment.agents import FREE, NEEDS, NOISE, SLOW, WALKS
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import (
     BetaEstimate,
@@ -112,7 +112,10 @@ class OutputError:
             problem = problem.amended(recording=recording)
         robot, sets = problem.robot, problem.sets
         sensors = sensors_of(
-            robot, problem.recording, delays(robot, problem.recording, problem.late)
+            robot,
+            problem.recording,
+            delays(robot, problem.recording, problem.late),
+            problem.samples.speeds,
         )
         search = self._search(problem, sensors, step)
         # Without declared noise, what splines leave between samples looks slow too.
@@ -300,7 +303,7 @@ def _allowed(problem: Problem) -> dict[str, float]:
     return {
         group: each.size if np.isfinite(each.size) else np.nan
         for group, each in problem.acting.allowed.items()
-        if group in here
+        if group in here and group != NOISE
     }
 
 

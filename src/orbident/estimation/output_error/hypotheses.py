@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, WALKS
+from orbident.environment.agents import ALIKE, FREE, NOISE, SLOW, STEADY, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
@@ -246,7 +246,9 @@ def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
     # Only if it is tested: to work out what may act takes some 3 kB a row.
     every = problem.acting.unknowns if tested else ()
     families = dict.fromkeys(each.family for each in every)
-    absent = [x for x in families if x not in shown and not free & {*ALIKE[x]}]
+    absent = [
+        x for x in families if x not in {*shown, NOISE} and not free & {*ALIKE[x]}
+    ]
     return TakenForZero(problem, solution, tuple(absent))
 
 
@@ -267,7 +269,13 @@ def _best(
     free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     # A walk is as large as its density, which is no unknown here.
-    beside = {*excluded, *free, *WALKS, *(SLOW if {*SLOW, *WALKS} & free else ())}
+    beside = {
+        *excluded,
+        *free,
+        *WALKS,
+        NOISE,
+        *(SLOW if {*SLOW, *WALKS} & free else ()),
+    }
     tried = []
     for family in _likely(_beyond(zeros, beside)):
         freed = search.allowing({family: np.inf})

@@ -5,7 +5,7 @@ are unknowns, and inside an interval samples are whitened by their filter
 (`lasting_noise.hpp`), so that intervals stay coupled by boundaries alone.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from orbident.gaussian import noisiest_std
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import rate_noise, same_sign
+from orbident.preprocessing.histories import RateNoise
 from orbident.preprocessing.rates import through_gaps
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.columns import VECTORS
@@ -82,7 +83,10 @@ class Sensors:
 
 
 def sensors_of(
-    robot: Robot, recording: Recording, behind: Mapping[str, float]
+    robot: Robot,
+    recording: Recording,
+    behind: Mapping[str, float],
+    speeds: Sequence[RateNoise] = (),
 ) -> Sensors:
     """The sensors of a recording, at the times at which they saw the world.
 
@@ -90,6 +94,7 @@ def sensors_of(
         robot: with the noise of its sensors, where that is known.
         recording: of any of them.
         behind: by sensor, by how much its times are behind, s.
+        speeds: noise of those of the wheels.
     """
     tables = {
         sensor: recording.vector(sensor)
@@ -129,19 +134,10 @@ def sensors_of(
     shown = {
         name: _sensed(robot, name, t, times[name], samples[name]) for name in times
     }
-    if "gyro" in shown and shown["gyro"].declared and _speeds_only(robot, recording):
-        std = float(np.hypot(shown["gyro"].std, rate_noise(robot)))
+    if "gyro" in shown and shown["gyro"].declared:
+        std = float(np.hypot(shown["gyro"].std, rate_noise(robot, speeds)))
         shown["gyro"] = replace(shown["gyro"], std=std)
     return Sensors(t, shown)
-
-
-def _speeds_only(robot: Robot, recording: Recording) -> bool:
-    """Whether wheel speeds are used as they are measured."""
-    return any(
-        recording.has(f"wheel.{name}.speed")
-        and not recording.has(f"wheel.{name}.position")
-        for name in robot.wheel_names
-    )
 
 
 def _felt(

@@ -271,7 +271,7 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
         return least
     h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)
-    h_std = float(np.linalg.norm(momentum_noise(robot), 2))
+    h_std = float(np.linalg.norm(momentum_noise(robot, samples.speeds), 2))
     h_std = h_std or noisiest_std(h_rw[known])
     rate = h_std / float(_principal_inertias(robot)[0])
     return max(rate * np.sqrt(dt), least)

@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
+from orbident.environment.agents import NOISE
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.estimation.unknowns import Score, Sensitivity, Unknown, score
@@ -59,8 +60,24 @@ class TakenForZero:
         state = self.solution.state.selecting(places)
         factor = common_factor(self.problem, self.solution.weights, state)
         self.problem.acting.forget()
+        self._with_noise_of_wheels(factor)
         prior = self.solution.prior.extended(np.full(places.size, np.inf))
         return prior.added(factor, state)
+
+    def _with_noise_of_wheels(self, factor: Float[np.ndarray, "n n"]) -> None:
+        """An error of a wheel's inertia is one of its noise's momentum, too.
+
+        Else it would be how large that noise is beside all else, free of its prior.
+        """
+        size, acting = self.solution.state.common.size, self.problem.expected
+        waves = slice(size - len(acting), size)
+        values = self.solution.state.common[waves]
+        for k, error in enumerate(self.errors, size):
+            sensor, _, rest = error.name.partition(".")
+            if sensor == "wheel" and rest.endswith(".inertia"):
+                own = f"{NOISE}.{rest.removesuffix('inertia')}"
+                named = np.array([each.name.startswith(own) for each in acting], bool)
+                factor[:, k] += factor[:, waves] @ (named * values)
 
     def equations(self, names: Collection[str]) -> Float[np.ndarray, "zeros columns"]:
         """`[R_c, z]` of what has these names, or is of these families."""

@@ -11,7 +11,7 @@ from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.preprocessing.base_motion import rate_noise
+from orbident.preprocessing.base_motion import declared_rate_noise
 from orbident.preprocessing.origins import ENCODED, Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import Settings
@@ -110,8 +110,8 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         )
     if measured:
         rate = gyro.white_std(dt) or seen
-        if samples.origins["wheel_speeds"] is Origin.MEASURED and robot.wheels:
-            rate = np.hypot(rate, rate_noise(robot))
+        if any(map(any, samples.speeds)):
+            rate = np.hypot(rate, declared_rate_noise(robot))
     else:
         rate = COLOURED * _changing(attitude) / MEMORY
     smoothed = samples.origins["velocity"] is Origin.SMOOTHED_POSITIONS
@@ -159,7 +159,7 @@ def declared_noise(robot: Robot, dt: float, velocity: float | None) -> Noise:
             "a recording at rest)"
         )
     return Noise(
-        gyro=float(np.hypot(white, rate_noise(robot))) if robot.wheels else white,
+        gyro=float(np.hypot(white, declared_rate_noise(robot))),
         velocity=max(velocity or 0.0, LEAST),
         gyro_bias=max(gyro.turn_on_std, LEAST),
         gyro_walk=gyro.bias_walk,
