@@ -48,7 +48,8 @@ HARDLY = 0.9
 """Times: a convention that leaves larger residuals than as recorded is none."""
 
 MOST = 0.5
-"""Part of what a trial explains that clocks did which had been corrected before it."""
+"""Part of what a trial explains that clocks did which had been corrected before it; and
+part of chi-square that a trial leaves which explains most."""
 
 SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
 """What is said where not all causes were tried."""
@@ -202,7 +203,9 @@ def _unexplained(
     more = f"; {SEARCH_ON}" if ended else ""
     likeliest = best.cause if best is not None and falls > EXPLAINS else ""
     if happened is not None and (happened.sure or not likeliest):
-        yield _found(happened.words(likeliest), happened.remedy)
+        # What leaves most of it is no help beside what happened.
+        helps = best is not None and _size(best.estimate) < MOST * _size(shown)
+        yield _found(happened.words(likeliest if helps else ""), happened.remedy)
     elif likeliest:
         yield _found(
             f"perhaps {likeliest}: correcting it lowers chi-square by {falls:.2g}, "
@@ -323,8 +326,13 @@ def _written(
 
 def _as_noise(estimate: Estimate | None) -> bool:
     """Whether the residuals are as small as noise."""
+    return _size(estimate) < NOISY**2
+
+
+def _size(estimate: Estimate | None) -> float:
+    """Chi-square per degree of freedom; infinite without a fit."""
     goodness = estimate and estimate.goodness
-    return bool(goodness and goodness.per_dof < NOISY**2)
+    return goodness.per_dof if goodness else np.inf
 
 
 def _best(trials: list[Trial], before: float) -> Trial | None:
