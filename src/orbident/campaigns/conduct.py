@@ -216,7 +216,7 @@ def conduct(
 ) -> Done:
     """Make what is missing.
 
-    The progress is told after every chunk, and before the first.
+    `progress` is called before the first chunk of runs, and after each.
 
     Raises:
         InputError: another command is at it, the folder cannot be written, rows that

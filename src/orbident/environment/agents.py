@@ -54,7 +54,10 @@ DENSITY = {group: AGENTS[group].density for group in WALKS}
 """The fields of `MomentumWalk` that say how strong they are."""
 
 NOISE = steady.WheelNoise.group
-"""What is as large as it is declared: no more of it is tested for, or said to act."""
+"""Noise of an instrument, which is not said to act."""
+
+UNTESTED = (*WALKS, NOISE)
+"""What is as large as it is declared, so that no more of it is tested for."""
 
 FREE = 1e3
 """SI: standard deviation beforehand of what may be anything."""

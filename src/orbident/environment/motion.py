@@ -113,7 +113,8 @@ class RobotMotion:
     allowed: Mapping[str, MayAct] = field(default_factory=dict)
     """What may act on it, by group; what is absent does not."""
     speed_noise: tuple[float, ...] = ()
-    """Its density in the speeds of a recording's wheels, rad/s/sqrt(Hz)."""
+    """Density of the tachometer's noise in the speed of each wheel of a recording,
+    rad/s/sqrt(Hz)."""
     predicted_w: Vectors | None = None
     """What a fit predicts of `w`, without a gyro's noise; but for constants, rad/s."""
 

@@ -167,8 +167,8 @@ def design_pulses(
 ) -> Trajectory:
     """The best of random sequences of pulses that keep to the limits.
 
-    The robot has no joints and a nominal inertia. An interrupt ends the search and
-    keeps the best so far; progress is told after each sequence.
+    The robot has no joints and a nominal inertia. An interrupt ends the search, which
+    then returns the best sequence so far; `progress` is called after each sequence.
 
     Raises:
         InputError: no thruster has a thrust, no sensor a noise, or no sequence keeps to

@@ -224,8 +224,8 @@ class LiveFilter:
     ) -> None:
         """Go on from what is carried.
 
-        An estimate is told `every` s of the samples. The deviation of a velocity
-        sample, m/s, is None where none counts.
+        Estimates are `every` s of the samples' times apart. `velocity_std` is that of a
+        velocity sample, m/s, or None where velocities are not used.
         """
         self.carried = carried
         self._robot, self._velocity_std, self._every = robot, velocity_std, every

@@ -289,7 +289,7 @@ class Session:
     def end(self, sinks: Iterable[Sink], lost: int = 0, waiting: int = 0) -> None:
         """Tell what is known at last, and keep the state.
 
-        Datagrams that were left out are told, and lines that have come and wait.
+        The last message counts the datagrams `lost`, and the lines still `waiting`.
 
         Raises:
             InputError: what came gave no estimate, or the state cannot be written.

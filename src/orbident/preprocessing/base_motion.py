@@ -294,7 +294,10 @@ def momentum_noise(
 
 
 def declared_rate_noise(robot: Robot) -> float:
-    """The same as `rate_noise`, of speeds that are used as tachometers show them."""
+    """Std of the predicted base rate by the declared noise of tachometers, rad/s.
+
+    The speeds are those that the tachometers show, without smoothing.
+    """
     wheels = robot.sensors.wheels
     noise = RateNoise(0.0, (wheels and wheels.tachometer) or 0.0)
     return rate_noise(robot, [noise] * len(robot.wheels))

@@ -44,9 +44,11 @@ class RateNoise(NamedTuple):
     """Noise of a tachometer in a rate that it alone tells."""
 
     density: float
-    """Of its waves, rad/s/sqrt(Hz); zero where a fit has none of them."""
+    """Density of the waves that stand for it in a fit, rad/s/sqrt(Hz); zero where a
+    recording is too long for waves."""
     white: float
-    """Of a sample that is used as it was read, rad/s; zero where they are smoothed."""
+    """Std of a sample that is used as it was read, rad/s; zero where speeds are
+    smoothed."""
 
     @classmethod
     def read(

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbident.environment.agents import ALIKE, FREE, NOISE, SLOW, STEADY, WALKS
+from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, UNTESTED, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
@@ -246,9 +246,8 @@ def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
     # Only if it is tested: to work out what may act takes some 3 kB a row.
     every = problem.acting.unknowns if tested else ()
     families = dict.fromkeys(each.family for each in every)
-    absent = [
-        x for x in families if x not in {*shown, NOISE} and not free & {*ALIKE[x]}
-    ]
+    apart = {*shown, *UNTESTED}
+    absent = [x for x in families if x not in apart and not free & {*ALIKE[x]}]
     return TakenForZero(problem, solution, tuple(absent))
 
 
@@ -269,13 +268,7 @@ def _best(
     free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     # A walk is as large as its density, which is no unknown here.
-    beside = {
-        *excluded,
-        *free,
-        *WALKS,
-        NOISE,
-        *(SLOW if {*SLOW, *WALKS} & free else ()),
-    }
+    beside = {*excluded, *free, *UNTESTED, *(SLOW if {*SLOW, *WALKS} & free else ())}
     tried = []
     for family in _likely(_beyond(zeros, beside)):
         freed = search.allowing({family: np.inf})
