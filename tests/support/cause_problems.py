@@ -8,9 +8,11 @@ import numpy as np
 from clean_recordings import Recorded, clean_space
 from edited_recordings import changed
 
+from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.identify import estimator_of
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 SECONDS = 30.0
@@ -51,3 +53,17 @@ def with_joint(k: int, **changes) -> Robot:
     joints = list(robot.joints)
     joints[k] = replace(joints[k], **changes)
     return replace(robot, joints=tuple(joints))
+
+
+def with_recording(recording: Recording) -> MomentumProblem:
+    """The problem of a recording that was changed from the clean one."""
+    return problem_with(
+        {name: lambda _, x=x: x for name, x in recording.columns.items()}
+    )
+
+
+def numbers(problem: MomentumProblem, suspect: Suspect) -> np.ndarray:
+    """Those of a suspect that explain most, to first order."""
+    solution = fitted(problem).solution
+    assert solution is not None
+    return Scores(problem, solution).of(suspect).values

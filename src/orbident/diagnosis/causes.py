@@ -1,6 +1,7 @@
 """Why a recording is refused: causes are tried, and what explains it is named."""
 
 from collections.abc import Iterable, Iterator
+from itertools import takewhile
 from time import process_time
 
 import numpy as np
@@ -9,6 +10,7 @@ from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import smoothed
 from orbident.diagnosis.frames import missing_wheel
+from orbident.diagnosis.jumps import jumps
 from orbident.diagnosis.late_clocks import (
     already_corrected,
     clocks,
@@ -27,7 +29,6 @@ from orbident.diagnosis.noisier_sensors import (
 )
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import ring_of
-from orbident.diagnosis.shifts import jumps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import Rival, Trial, amended_trial
 from orbident.environment.agents import AGENTS
@@ -266,7 +267,7 @@ def _tried(
     the CPU's time is at its end.
     """
     trials, untried = list[Trial](), list[Scored]()
-    for some in _stages(solved, conventions, untried):
+    for some in _stages(solved, conventions, untried, end):
         for one in some:
             trials.append(_sure(one, before))
             if sum(each.lost for each in trials) == LOST or process_time() > end:
@@ -277,7 +278,10 @@ def _tried(
 
 
 def _stages(
-    solved: Solved, conventions: list[CorrectedConvention], untried: list[Scored]
+    solved: Solved,
+    conventions: list[CorrectedConvention],
+    untried: list[Scored],
+    end: float,
 ) -> Iterator[Iterable[Trial]]:
     """What is tried, the plainest first; and what has a score and is not tried yet."""
     problem = solved.problem
@@ -287,7 +291,8 @@ def _stages(
     late = far_off(problem)
     far = any(late.values())
     yield clocks(problem, late) if far else ()
-    untried += sorted(every_score(solved), key=lambda each: -each.falls)
+    scored = takewhile(lambda _: process_time() < end, every_score(solved))
+    untried += sorted(scored, key=lambda each: -each.falls)
     yield likeliest(untried)
     # Wrong inertias of known wheels may look like another one.
     yield missing_wheel(problem)
@@ -338,13 +343,15 @@ def _size(estimate: Estimate | None) -> float:
 def _best(trials: list[Trial], before: float) -> Trial | None:
     """The best trial; of those that explain alike the one that was likelier.
 
-    Another one that explains as much is its rival.
+    Another one that explains as much is its rival: if no such one is accepted, one that
+    is not.
     """
     best = min(trials, key=_rank, default=None)
     if best is None or not best.accepted:
         return best
-    most = best.misfit + WORTH
-    first, *others = (one for one in trials if one.accepted and one.misfit < most)
+    alike = [one for one in trials if one.misfit < best.misfit + WORTH]
+    first, *others = (one for one in alike if one.accepted)
+    others = others or [one for one in alike if not one.accepted]
     rivals = [Rival(before - x.misfit, x.cause) for x in others]
     return first._replace(rival=max(first.rival, *rivals)) if rivals else first
 

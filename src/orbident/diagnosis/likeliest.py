@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbident.diagnosis.curved_scales import curved_scales
+from orbident.diagnosis.encoders import joint_errors, ripples
 from orbident.diagnosis.filters import filters
 from orbident.diagnosis.frames import beside
 from orbident.diagnosis.instruments import freed, kinds
+from orbident.diagnosis.jumps import steps
 from orbident.diagnosis.late_clocks import fast_clocks
-from orbident.diagnosis.shifts import drifts, joint_errors, steps
+from orbident.diagnosis.shifts import curved_scales, drifts
 from orbident.diagnosis.suspects import Scores, tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.clock_search import WORTH, misfit
@@ -60,6 +61,7 @@ def every_score(solved: Solved) -> Iterator[Scored]:
         *steps(problem, shown),
         *drifts(problem),
         *joint_errors(problem),
+        *ripples(problem, shown),
         *fast_clocks(problem),
         *filters(problem),
         *curved_scales(problem),

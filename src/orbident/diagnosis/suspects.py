@@ -7,6 +7,7 @@ part of `r` in the span of `D` (score test).
 """
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -67,17 +68,22 @@ class Scores:
         # What overflows has no score.
         with np.errstate(all="ignore"):
             try:
-                r, *moved = [
+                moved = [
                     self._left(suspect.corrected(self.problem, c))
-                    for c in (0 * suspect.small, *np.diag(suspect.small))
+                    for c in np.diag(suspect.small)
                 ]
             except (InputError, np.linalg.LinAlgError):
                 return NOTHING
-            D = np.column_stack([x - r for x in moved]) / suspect.small
+            D = np.column_stack([x - self.left for x in moved]) / suspect.small
             sized = np.linalg.norm(D, axis=0)
         if not np.isfinite(sized).all() or not sized.any():
             return NOTHING
-        return score(D, -r)
+        return score(D, -self.left)
+
+    @cached_property
+    def left(self) -> Float[np.ndarray, " n"]:
+        """The residuals as they are."""
+        return self._left(self.problem)
 
     def _left(self, changed: MomentumProblem) -> Float[np.ndarray, " n"]:
         """The whitened residuals of all sensors where all else follows."""

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from cause_problems import fitted, problem_with
+from cause_problems import clean, fitted, problem_with, with_recording
 
-from orbident.diagnosis.shifts import FAR, jump_of, jumps, steps
+from orbident.diagnosis.jumps import FAR, jumping, jumps, jumps_of, steps
+from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Scores
 
 ONES = np.ones(3)
@@ -14,15 +15,12 @@ SMOOTH = np.sin(0.7 * T)[:, None] + NOISE
 
 
 def test_a_smooth_motion_does_not_jump():
-    found = jump_of("joint.a", T, SMOOTH)
-    assert found is not None
-    assert found.times < FAR
+    assert jumps_of("joint.a", T, SMOOTH) == []
 
 
 @pytest.mark.parametrize("size", [-0.02, 0.005])
 def test_the_row_and_the_size_of_a_jump(size: float):
-    found = jump_of("joint.a", T, SMOOTH + size * (T[140] <= T)[:, None])
-    assert found is not None
+    (found,) = jumps_of("joint.a", T, SMOOTH + size * (T[140] <= T)[:, None])
     assert found.times > FAR
     assert found.row == 140
     # The step's own deviation is some three times that of a sample.
@@ -31,7 +29,16 @@ def test_the_row_and_the_size_of_a_jump(size: float):
 
 
 def test_too_few_samples_show_nothing():
-    assert jump_of("joint.a", T[:20], SMOOTH[:20]) is None
+    assert jumps_of("joint.a", T[:20], SMOOTH[:20]) == []
+
+
+def test_a_jump_there_and_back():
+    away = (T[140] <= T) & (T[200] > T)
+    found = jumps_of("joint.a", T, SMOOTH + 0.01 * away[:, None])
+    assert sorted(jump.row for jump in found) == [140, 200]
+    rising = {jump.row: jump.size[0] for jump in found}
+    assert rising[140] == pytest.approx(0.01, abs=1e-3)
+    assert rising[200] == pytest.approx(-0.01, abs=1e-3)
 
 
 def test_a_joint_that_slips_is_put_right():
@@ -57,3 +64,24 @@ def test_a_gyro_that_jumps_by_less_than_it_shows():
     assert "t = 15 s" in suspect.words(first.values)
     far = 5 * first.std.max()
     np.testing.assert_allclose(first.values, [0.0, 5e-4, 0.0], atol=far)
+
+
+def test_markers_that_are_taken_for_others_for_a_while():
+    recording = clean().recording
+    row = np.arange(recording.t.size)
+    error = np.outer((row >= 120) & (row < 180), [0.0, 0.0, 0.05])
+    problem = with_recording(less(recording, "attitude", -error))
+    (found,) = jumps(problem, fitted(problem))
+    assert found.accepted
+    assert "the attitude has jumps" in found.cause
+    assert "t = 12, 18 s" in found.cause
+
+
+def test_a_position_that_jumps():
+    recording = clean().recording
+    error = np.outer(np.arange(recording.t.size) >= 120, [0.0, 0.01, 0.0])
+    problem = with_recording(less(recording, "position", -error))
+    solution = fitted(problem).solution
+    assert solution is not None
+    found = Scores(problem, solution).of(jumping(problem, "position", [120]))
+    np.testing.assert_allclose(found.values, [0.0, 0.01, 0.0], atol=1e-3)

@@ -48,6 +48,19 @@ def test_two_that_are_accepted_and_explain_alike_are_both_named():
     assert "or perhaps an axis of another one is tilted" in words
 
 
+def test_what_explains_more_but_not_all_may_be_the_cause_too():
+    trials = [
+        Trial("a joint drifts", True, 500.0),
+        Trial("a joint slips", False, 100.0),
+        Trial("a panel swings", False, 900.0),
+    ]
+    best = _best(trials, BEFORE)
+    assert best is not None
+    words = _explained(best, BEFORE).words
+    assert words.startswith("perhaps a joint drifts")
+    assert "or perhaps a joint slips" in words
+
+
 def test_one_that_explains_more_is_alone():
     worse = Trial("an axis of another one is tilted", True, 500.0 + 2 * WORTH)
     best = _best([worse, Trial("an axis of one wheel is tilted", True, 500.0)], BEFORE)

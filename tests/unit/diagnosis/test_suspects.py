@@ -6,9 +6,9 @@ import numpy as np
 from cause_problems import clean, fitted, problem_with
 from edited_recordings import changed
 
-from orbident.diagnosis.curved_scales import curved_scales
 from orbident.diagnosis.filters import filters
 from orbident.diagnosis.frames import beside, missing_wheel
+from orbident.diagnosis.shifts import curved_scales
 from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.unknowns import Score
