@@ -343,17 +343,23 @@ def _size(estimate: Estimate | None) -> float:
 def _best(trials: list[Trial], before: float) -> Trial | None:
     """The best trial; of those that explain alike the one that was likelier.
 
-    Another one that explains as much is its rival: if no such one is accepted, one that
-    is not.
+    Its rival is another one that is accepted: suspects are known to first order, so
+    that the true one may explain a little less. Or it explains more, though not all.
     """
     best = min(trials, key=_rank, default=None)
     if best is None or not best.accepted:
         return best
-    alike = [one for one in trials if one.misfit < best.misfit + WORTH]
-    first, *others = (one for one in alike if one.accepted)
-    others = others or [one for one in alike if not one.accepted]
-    rivals = [Rival(before - x.misfit, x.cause) for x in others]
-    return first._replace(rival=max(first.rival, *rivals)) if rivals else first
+    accepted = [one for one in trials if one.accepted]
+    first = next(one for one in accepted if one.misfit < best.misfit + WORTH)
+    others = [one for one in accepted if one is not first] or [
+        one for one in trials if one.misfit < best.misfit
+    ]
+    if not others:
+        return first
+    other = min(others, key=lambda one: one.misfit)
+    # What is accepted explains enough.
+    falls = before - min(other.misfit, first.misfit)
+    return first._replace(rival=max(first.rival, Rival(falls, other.cause)))
 
 
 def _rank(trial: Trial) -> tuple[bool, float]:

@@ -61,8 +61,17 @@ def test_what_explains_more_but_not_all_may_be_the_cause_too():
     assert "or perhaps a joint slips" in words
 
 
-def test_one_that_explains_more_is_alone():
-    worse = Trial("an axis of another one is tilted", True, 500.0 + 2 * WORTH)
-    best = _best([worse, Trial("an axis of one wheel is tilted", True, 500.0)], BEFORE)
+def test_one_that_explains_a_little_less_may_be_the_cause_too():
+    other = Trial("a wheel is late", True, 500.0 + 3 * WORTH)
+    best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
+    assert best is not None
+    words = _explained(best, BEFORE).words
+    assert words.startswith("perhaps a torque acts")
+    assert "or perhaps a wheel is late" in words
+
+
+def test_one_that_explains_more_than_all_others_is_alone():
+    other = Trial("a wheel is late", False, 500.0 + 3 * WORTH)
+    best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
     assert best is not None
     assert best.rival == NONE
