@@ -28,7 +28,7 @@ from orbident.diagnosis.noisier_sensors import (
     spikes,
 )
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
-from orbident.diagnosis.rings import ring_of
+from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import Rival, Trial, amended_trial
 from orbident.environment.agents import AGENTS
@@ -178,7 +178,8 @@ def _by_trials(
     if _fits(solved.problem, shown):
         # Nothing is left to explain: the numbers themselves say what is wrong.
         return
-    ring = ring_of(shown.signals)
+    moved = rigid_motion(solved.problem.robot, solved.problem.samples)
+    ring = ring_of(shown.signals, moved)
     if ring is not None:
         # What is left rings, so it is no event, nor what explains some of it.
         yield _found(ring.reason, ring.remedy)

@@ -14,6 +14,12 @@ from scipy.special import chdtri
 
 from orbident.estimation.levels import limit
 from orbident.estimation.signals import Signal, Signals
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia
+from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.preprocessing.samples import Batch, Samples
+from orbident.robot.description import Robot
+from orbident.simulation.free_floating import rate_law
 
 ROWS = 2**13
 """So many rows from the beginning show a ring."""
@@ -41,6 +47,15 @@ Course = Float[np.ndarray, "n axes"]
 Rates = Float[np.ndarray, "n rates"]
 
 
+class RigidMotion(NamedTuple):
+    """What shakes a part that swings in a robot that is rigid apart from it."""
+
+    t: Float[np.ndarray, " n"]
+    """s."""
+    rates: Rates
+    """Of the base, rad/s and m/s, base axes, and of functions of the joints."""
+
+
 class Ring(NamedTuple):
     """What rings."""
 
@@ -66,11 +81,32 @@ class Ring(NamedTuple):
         return f"declare what swings, {either}, and identify again"
 
 
-def ring_of(signals: Signals) -> Ring | None:
+def rigid_motion(robot: Robot, samples: Samples) -> RigidMotion:
+    """How a robot moves if it is rigid and as its file says, of its joints and wheels.
+
+    The rates of the fit are no such thing: it moves joints, within the noise of their
+    encoders, so that they explain some of a ring.
+    """
+    t, complete = samples.complete()
+    at = Batch(*(part[:ROWS] for part in complete))
+    now, q, qd = inertia(robot, at.q), at.q, at.qd
+    # D w + h = R_WB^T h_cm (Eq. 3), and v is that of S beside the CM.
+    h = rotate(now.D_q, qd) + at.qd_rw @ wheels_of(robot).A_rw.T
+    h_cm = rotate(quaternion_matrix(at.x_WB), rotate(now.D, at.w) + h).mean(axis=0)
+    law = rate_law(now.D, h, robot.motion == "planar")
+    w = law.rate(at.x_WB, np.broadcast_to(h_cm, h.shape))
+    v = -np.cross(w, now.r_cm) - rotate(now.J_cm, qd)
+    # Encoders off in scale or off centre turn the base as the pose says.
+    by_joints = [qd, np.cos(q) * qd, np.sin(q) * qd]
+    return RigidMotion(t[:ROWS], np.column_stack([w, v, *by_joints]))
+
+
+def ring_of(signals: Signals, moved: RigidMotion) -> Ring | None:
     """The line with most power in what is left of the base's rate.
 
     Args:
         signals: of a fit.
+        moved: the robot at the same time, if it were rigid.
 
     Returns:
         The ring; None where no line stands out of the spectrum around it, no oscillator
@@ -84,7 +120,8 @@ def ring_of(signals: Signals) -> Ring | None:
     t, left = _evenly(shown)
     if shown is attitude:
         left = np.gradient(left, t, axis=0)
-    drive = _drive(t, by_sensor.get("joints"))
+    rates = [np.interp(t, moved.t, rate) for rate in moved.rates.T]
+    drive = np.column_stack([*rates, np.ones(t.size)])
     left = left - drive @ np.linalg.lstsq(drive, left)[0]
     line = _line(left)
     if line is None:
@@ -106,16 +143,6 @@ def _evenly(signal: Signal) -> tuple[Float[np.ndarray, " n"], Course]:
     n, left = min(signal.t.size, ROWS), signal.measured - signal.predicted
     t = np.linspace(signal.t[0], signal.t[n - 1], n)
     return t, np.column_stack([np.interp(t, signal.t, x) for x in left.T])
-
-
-def _drive(t: Float[np.ndarray, " n"], joints: Signal | None) -> Rates:
-    """Rates of joints, which turn the base as the pose says, and a constant one."""
-    one = np.ones((t.size, 1))
-    if joints is None:
-        return one
-    q = np.column_stack([np.interp(t, joints.t, x) for x in joints.measured.T])
-    rates = np.gradient(np.column_stack([q, np.sin(q), np.cos(q)]), t, axis=0)
-    return np.column_stack([rates, one])
 
 
 def _line(x: Course) -> int | None:
@@ -140,7 +167,9 @@ def _oscillator(
 ) -> tuple[float, float]:
     """The frequency, Hz, that explains most, and the part of `x` that is left then.
 
-    Joints that move drive the oscillator, and it swings from the beginning on:
+    What moves drives the oscillator, and it swings from the beginning on. As that is
+    without what the ring itself turns, `w` is that of the free robot, not of one whose
+    base is held:
 
         y'' + 2 zeta w y' + w^2 y = B u'',  w = 2 pi f
     """

@@ -250,7 +250,7 @@ def problem_of(
         theta_0=unseen_part(robot, sets),
         theta_of=np.ascontiguousarray(sets.base.theta_of),
         planar=robot.motion == "planar",
-        substeps=substeps_of(robot, samples),
+        substeps=substeps_of(robot, samples, unexplained),
         t=intervals.t,
         edge=intervals.edges.astype(float),
         knots=history.t,

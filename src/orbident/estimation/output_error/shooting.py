@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from orbident.estimation.output_error.joint_laws import fastest
+from orbident.estimation.output_error.joint_laws import LOOSE, fastest
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,
     Lasting,
@@ -277,15 +277,17 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
     return max(rate * np.sqrt(dt), least)
 
 
-def substeps_of(robot: Robot, samples: Samples) -> int:
+def substeps_of(robot: Robot, samples: Samples, unexplained: float) -> int:
     """How many RK4 steps a sample follow nutation and passive joints; a power of two.
 
     Nutation turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power
-    of the step.
+    of the step. So is that of a passive joint, of which more than in the last of the
+    loose fits may be unexplained, rad or m in a period.
     """
     dt = float(np.median(np.diff(samples.t)))
     swung = 2 * np.pi * fastest(robot) * dt
-    least = int(2 ** np.ceil(np.log2(np.clip(swung / SWING, 1, MOST_SUBSTEPS))))
+    swing = SWING * max(unexplained / LOOSE[-1], 1.0) ** (1 / 4)
+    least = int(2 ** np.ceil(np.log2(np.clip(swung / swing, 1, MOST_SUBSTEPS))))
     if robot.motion == "planar":
         return least
     D = _principal_inertias(robot)

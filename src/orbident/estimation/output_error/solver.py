@@ -72,7 +72,8 @@ def solved(
         progress: is called at every step.
         steps: the most steps to take.
         here: the equations at that state, where they are at hand.
-        enough: a search ends, too, with a step that lowers the cost by a smaller part.
+        enough: a search that only leads to another one ends, too, with a step that
+            lowers the cost by a smaller part; its first step is damped.
 
     Raises:
         InputError: at the first state the equations overflow.
@@ -80,7 +81,7 @@ def solved(
     here = here or linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
     check_finite(cost, _size(here))
-    damping, raised = 0.0, RAISED
+    damping, raised = DAMPING if enough else 0.0, RAISED
     taken, tried, vain = [Step(cost, np.nan)], False, 0
     for _ in range(steps):
         progress()
