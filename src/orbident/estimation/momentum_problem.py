@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.special import chdtri
 
 from orbident.estimation.base_parameters import Mass, mass_of
 from orbident.estimation.linear_fits import (
@@ -25,9 +26,10 @@ from orbident.estimation.linear_fits import (
     known_momentum,
     rest_std,
 )
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
-from orbident.preprocessing.delays import Delay, base_clocks, corrections
+from orbident.preprocessing.delays import Delay, base_clocks, check_seconds, corrections
 from orbident.preprocessing.extent import Extent
 from orbident.preprocessing.origins import RUNNING
 from orbident.preprocessing.samples import OutsideMomentum, Samples, samples_of
@@ -59,6 +61,9 @@ and signals in wrong units or frames in part."""
 
 VARIES = 1e-2
 """Below this part of the wheels' momentum it may be noise of their speeds."""
+
+RARE = 1e-3
+"""How rarely noise of wheels' speeds alone passes for momentum that varies."""
 
 ROUNDING = 1e-7
 """Residuals over the signal: what integration and float32 leave."""
@@ -99,9 +104,20 @@ class MomentumProblem:
         known = float(np.hypot(pi.explained, pi.unexplained))
         # Where it varies by more, a torque may hide that they explain it: the fit
         # decides.
-        unexplained = pi.explained**2 <= EXPLAINED * known**2
+        chance = chdtri(pi.values.size, RARE) * self._speed_noise**2
+        unexplained = pi.explained**2 <= max(EXPLAINED * known**2, chance)
         steady = known <= STEADY * h_rw
         return not (steady or (known <= VARIES * h_rw and unexplained))
+
+    @property
+    def _speed_noise(self) -> float:
+        """Std of the wheels' momentum in a row by declared noise of tachometers, N m s.
+
+        Smoothing leaves all of it in what is as slow as arms, which parameters explain.
+        """
+        density = np.array([each.density for each in self.samples.speeds] or 0.0)
+        h_rw = np.linalg.norm(wheels_of(self.robot).A_rw * density, 2)
+        return float(h_rw / np.sqrt(np.diff(self.samples.t).mean()))
 
     @cached_property
     def linear_mass(self) -> Mass:
@@ -190,10 +206,11 @@ def momentum_problem(
         The problem, on the clock of the attitude that the gyro shows.
 
     Raises:
-        InputError: a column is missing, there are too few samples, or the nominal mass
-            matrix is singular.
+        InputError: a column is missing, times are not in seconds, there are too few
+            samples, or the nominal mass matrix is singular.
     """
     check_regular(robot)
+    check_seconds(robot, recording)
     clean = screened(robot, recording.with_joints_of(robot))
     sets = minimal_sets(robot)
     clocks = base_clocks(robot, clean.recording)

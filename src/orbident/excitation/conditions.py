@@ -143,7 +143,7 @@ def limits_of(
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
             raise InputError(
                 f"{robot.name}: joint '{joint.name}': velocity limit: found "
-                f"{joint.velocity}; give one in the URDF or under limits: in the "
+                f"{joint.velocity}; give one in the model or under limits: in the "
                 "robot file"
             )
     free = (-INFINITE, INFINITE)

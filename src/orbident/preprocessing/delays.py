@@ -19,6 +19,7 @@ from pydantic import Field
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from orbident.errors import InputError
 from orbident.files.json_parts import NullableNumber, NullableStd
 from orbident.preprocessing.integrals import (
     gyro_response,
@@ -48,6 +49,12 @@ residual. The last round of its search changed it by so little of itself."""
 
 SETTLED = 1e-6
 """s: changes of the last round below this are none."""
+
+COUNTS = {"ms": 1e3, "us": 1e6, "ns": 1e9}
+"""What loggers count time in, and how many of it a second has."""
+
+DECLARED = 0.2
+"""Part by which the rate of a recording may miss the declared one."""
 
 
 class Delay(NamedTuple):
@@ -230,6 +237,26 @@ MOST = 2**13
 
 GAP = 10.0
 """Times the usual step from sample to sample."""
+
+
+def check_seconds(robot: Robot, recording: Recording) -> None:
+    """Refuse times whose steps are those of the declared rate, but not in seconds.
+
+    Raises:
+        InputError: they are a thousand, a million or a billion times as long.
+    """
+    sensors = robot.sensors
+    rates = [sensors.rate, *(each.rate for each in sensors.declared.values())]
+    declared = [rate for rate in rates if rate]
+    if not declared or recording.t.size < 2:
+        return
+    step = float(np.median(np.diff(recording.t)))
+    for unit, count in COUNTS.items():
+        if abs(step * max(declared) / count - 1) < DECLARED:
+            raise InputError(
+                f"{recording.source}: column 't': steps of {step:g} s, and sensors "
+                f"have {max(declared):g} Hz; it seems to be in {unit}: give s"
+            )
 
 
 def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:

@@ -306,7 +306,7 @@ def _check_suffix(path: Path) -> None:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(
             f"{path}: the name of a recording ends in {' or '.join(SUFFIXES)}; give "
-            "such a file"
+            "such a file, which 'orbident convert' makes of others"
         )
 
 

@@ -102,6 +102,8 @@ sensors:
   joints: {{position: 0.1 mrad}}
 {wheels}"""
 
+_MEASURED = "  wheels: {position: 0.1 mrad}\n"
+
 _TAIL = """
 # What may act from outside, and how large it may be, such as {pull: 100 urad} on a
 # table; [] if you know that nothing does. Without this line it is what may act in the
@@ -144,7 +146,7 @@ def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) 
         parts += [_WHEELS, *(_wheel(k) for k in range(1, wheels + 1))]
     parts.append(_LIMITS)
     parts += [_LIMIT.format(k=k) for k in range(1, joints + 1)]
-    measured = "  wheels: {position: 0.1 mrad}\n" if wheels else ""
+    measured = _MEASURED if wheels else ""
     return "".join((*parts, _SENSORS.format(wheels=measured), _TAIL))
 
 
@@ -180,8 +182,7 @@ def robot_text_of_model(robot: Robot, model: str) -> tuple[str, tuple[str, ...]]
             _LIMITS if said else _LIMITS.replace("\nlimits", "\n# limits"),
             *limits,
         ]
-    measured = "  wheels: {position: 0.1 mrad}\n" if wheels else ""
-    sensors = _SENSORS.format(wheels=measured).lstrip("\n").splitlines(keepends=True)
+    sensors = _SENSORS.format(wheels=_MEASURED).lstrip("\n").splitlines(keepends=True)
     parts += ["\n", *(f"# {line.removeprefix('# ')}" for line in sensors), _TAIL]
     return "".join(parts), tuple(wheels)
 

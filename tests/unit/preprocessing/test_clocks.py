@@ -8,7 +8,14 @@ from random_motions import random_motion
 from scipy.interpolate import CubicSpline
 
 import orbident as oi
-from orbident.preprocessing.delays import Delay, clocks_in_words, corrections, delay_of
+from orbident.errors import InputError
+from orbident.preprocessing.delays import (
+    Delay,
+    check_seconds,
+    clocks_in_words,
+    corrections,
+    delay_of,
+)
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
@@ -138,3 +145,12 @@ def test_a_camera_that_is_late_is_corrected_as_before():
     assert result.level == "trust", result.warnings
     assert result.clocks["attitude"].late == pytest.approx(0.4, abs=2e-3)
     assert np.abs(flown.z(result)).max() < 4
+
+
+@pytest.mark.parametrize(("unit", "count"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+def test_times_in_another_unit_are_refused(unit: str, count: float):
+    recording = simulate(PLANAR, random_motion(PLANAR, duration=5.0), noise="sensors")
+    check_seconds(PLANAR, recording)
+    counted = replace(recording, t=count * recording.t)
+    with pytest.raises(InputError, match=f"seems to be in {unit}: give s"):
+        check_seconds(PLANAR, counted)

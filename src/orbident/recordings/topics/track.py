@@ -183,7 +183,7 @@ class Track:
             lacked = self.entry.lacked(self._last, never)
             raise InputError(
                 f"{place}: column '{never}' never has a finite number; "
-                + (lacked or "take it out of the map")
+                + (lacked or "leave it out, or give what has it an entry of its own")
             )
         wanted = self.entry.wanted
         incomplete = sum(

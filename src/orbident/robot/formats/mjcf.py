@@ -102,7 +102,9 @@ def compiled_mjcf(place: str) -> str:
             cure = "put it there, or give the bodies that it weighs an <inertial>"
         raise InputError(f"{place}: MuJoCo cannot read it: {said}; {cure}") from None
     reader = _MjcfReader(model, api.mju_quat2Mat, place, gears)
-    tree = reader.tree(spec.modelname)
+    # MuJoCo has a name for a model without one.
+    named = spec.modelname != api.MjSpec().modelname
+    tree = reader.tree(spec.modelname if named else Path(place).stem)
     return urdf_text(replace(tree, joints=reader.coupled(tree.joints, ties)))
 
 

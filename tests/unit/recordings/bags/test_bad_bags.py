@@ -226,9 +226,9 @@ def test_a_quantity_that_messages_leave_out(tmp_path):
     ]
     with pytest.raises(InputError) as raised:
         converted(tmp_path, sent, JOINTS)
-    assert "column 'joint.joint1.velocity' never has a finite number" in str(
-        raised.value
-    )
+    message = str(raised.value)
+    assert "column 'joint.joint1.velocity' never has a finite number" in message
+    assert "give what has it an entry of its own" in message
 
 
 def with_broken(folder: Path, broken: range) -> Path:

@@ -182,8 +182,11 @@ def test_a_base_on_a_table_and_scenery(tmp_path: Path):
 
 
 def test_bodies_and_joints_without_names(tmp_path: Path):
-    text = servicer().replace("name='base'", "").replace("name='j'", "")
+    text = servicer()
+    for name in (" model='m'", "name='base'", "name='j'"):
+        text = text.replace(name, "")
     robot = load(tmp_path, text)
+    assert robot.name == "robot"
     assert (robot.bodies, robot.joint_names) == (("body1", "arm"), ("joint1",))
 
 
