@@ -158,6 +158,15 @@ def test_topics_prints_a_map(orbident: Orbident):
     assert ran.out == ""
 
 
+def test_topics_of_a_file_that_is_cut_off(orbident: Orbident):
+    bag = write_bag("mcap-ros2", Path(), sent())
+    bag.write_bytes(bag.read_bytes()[: bag.stat().st_size // 2])
+    ran = orbident("topics", bag, "--json", "-").done()
+    said = f"{bag}: is cut off: what is before is used"
+    assert f"warning: {said}" in ran.err
+    assert ran.json["warnings"][0].startswith(said)
+
+
 REFUSED = {
     "no bag": ("gone.bag", HEAD + IMU, "r.csv", "gone.bag: does not exist"),
     "no map": ("flight.bag", None, "r.csv", "map.yaml: no such file"),
