@@ -69,8 +69,8 @@ def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, .
             if column in fed:
                 line = line_of(text, ("topics", number))
                 raise InputError(
-                    f"{place}{line}: column '{column}' is fed twice, by '{fed[column]}' and "
-                    f"'{entry.topic}'; keep one"
+                    f"{place}{line}: column '{column}' is fed twice, by "
+                    f"'{fed[column]}' and '{entry.topic}'; keep one"
                 )
             fed[column] = entry.topic
     return tuple(entries)
