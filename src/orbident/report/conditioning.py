@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from orbident.data_table import DataTable, Numeric, table_of
+from orbident.estimation.quantities import physical_names
 from orbident.estimation.result import Result
 from orbident.model.formulas import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
@@ -68,7 +69,7 @@ def correlations(result: Result) -> tuple[list[str], np.ndarray]:
     C = result.base_covariance
     std = np.sqrt(np.diag(C))
     sure = np.isfinite(std) & (std > 0)
-    names = [name for name, one in zip(result.base.names, sure, strict=True) if one]
+    names = [physical_names(result.base)[k] for k in np.flatnonzero(sure)]
     return names, (C / np.outer(std, std))[np.ix_(sure, sure)]
 
 

@@ -15,7 +15,7 @@ import report_runs
 from orbident.estimation.checks import Check
 from orbident.estimation.result import Result
 from orbident.report.charts import label, numbers
-from orbident.report.page import embedded
+from orbident.report.page import Chart, Section, embedded
 from orbident.report.write import report_page
 
 SECTIONS = (
@@ -75,6 +75,17 @@ def test_sections(page: str):
         *("Numerische Mathematik", "N m s", "0.360 rad/s"),
     ):
         assert words in seen.text, words
+
+
+def test_replay_and_intervals_are_on_top():
+    chart = Chart("replay", "The motion", {"data": [], "layout": {"height": 100}})
+    replay = [Section("replay", "Replay", charts=(chart,))]
+    page = report_page(report_runs.result(), replay=replay)
+    places = ("replay", "base")
+    at = [page.index(f'data-figure="{name}"') for name in places]
+    assert page.index('id="verdict"') < at[0] < at[1] < page.index('id="parameters"')
+    # A refused result has no intervals.
+    assert 'data-figure="replay"' in report_page(report_runs.rejected(), replay=replay)
 
 
 def test_a_route_that_is_off_has_no_tick():
