@@ -82,10 +82,12 @@ def test_replay_and_intervals_are_on_top():
     replay = [Section("replay", "Replay", charts=(chart,))]
     page = report_page(report_runs.result(), replay=replay)
     places = ("replay", "base")
-    at = [page.index(f'data-figure="{name}"') for name in places]
+    at = [page.index(f'class="chart" data-figure="{name}"') for name in places]
     assert page.index('id="verdict"') < at[0] < at[1] < page.index('id="parameters"')
     # A refused result has no intervals.
-    assert 'data-figure="replay"' in report_page(report_runs.rejected(), replay=replay)
+    assert 'class="chart" data-figure="replay"' in report_page(
+        report_runs.rejected(), replay=replay
+    )
 
 
 def test_a_route_that_is_off_has_no_tick():
