@@ -78,10 +78,10 @@ def _close(names: list[str], R: np.ndarray) -> str:
     if not len(pairs):
         return f"No two base parameters are correlated by more than {CLOSE}."
     order = np.argsort(-np.abs(R[tuple(pairs.T)]))[:LISTED]
-    listed = ", ".join(
-        f"{names[i]} and {names[j]} ({short(float(R[i, j]))})" for i, j in pairs[order]
+    listed = "; ".join(
+        f"{names[i]} with {names[j]} ({short(float(R[i, j]))})" for i, j in pairs[order]
     )
-    more = " and others" if len(pairs) > LISTED else ""
+    more = "; and others" if len(pairs) > LISTED else ""
     return f"Hardly distinguished (correlation): {listed}{more}."
 
 

@@ -150,7 +150,7 @@ def test_convergence(result):
 def test_what_cannot_be_drawn_is_said(result):
     rejected = report_runs.rejected()
     for name in ("parameters", "mass"):
-        with pytest.raises(InputError, match="is rejected"):
+        with pytest.raises(InputError, match="is refused"):
             drawn(rejected, name)
     with pytest.raises(InputError, match="nothing was predicted"):
         drawn(replace(result, signals=tuple), "signals")
