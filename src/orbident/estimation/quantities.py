@@ -26,7 +26,7 @@ from orbident.files.json_parts import (
     Symmetric,
 )
 from orbident.files.names import counted, joined, suggestion
-from orbident.model.formulas import of_width, physical_name
+from orbident.model.formulas import Formulas, of_width, physical_name
 
 LISTED = 8
 """Parameters that a `repr` shows."""
@@ -324,7 +324,7 @@ def short_table(found: EstimatedSet) -> list[str]:
     return [*lines, f"  {', '.join(words)}"] if words else lines
 
 
-def physical_names(base: EstimatedSet) -> list[str]:
+def physical_names(base: EstimatedSet | Formulas) -> list[str]:
     """What each base parameter is, in `WIDEST` letters; its symbol if need be."""
     pairs = zip(base.names, base.formulas, strict=True)
     return [of_width(physical_name(*pair), WIDEST) for pair in pairs]
