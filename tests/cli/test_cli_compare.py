@@ -91,7 +91,7 @@ def test_untrusted(orbident: Orbident, runs: None):
     rejected = replace(exact_result(robot), checks=(REFUSED,))
     save_result(rejected, Path("bad"))
     for arguments, words in (
-        (("before", "bad"), "the run after is rejected, so nothing is compared: mass"),
+        (("before", "bad"), "the run after is refused, so nothing is compared: mass"),
         (("before", "after", "--body", "link1"), "does not explain the change"),
     ):
         ran = orbident("compare", *arguments, "--json", "-")

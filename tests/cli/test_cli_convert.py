@@ -138,7 +138,7 @@ def test_topics_prints_a_map(orbident: Orbident):
     # It is a map as a whole, which asks for what nobody told.
     Path("map.yaml").write_text(ran.out)
     orbident("convert", bag, "--map", "map.yaml", "-o", "r.csv").refused(
-        "map.yaml: topics[0] (/imu): neither of frame and rotation given"
+        "topics[0]: neither of frame and rotation given"
     )
     ran = orbident("topics", bag, "-o", "m.yaml", "--json", "-").done()
     (imu,) = ran.json["topics"]
@@ -156,6 +156,15 @@ def test_topics_prints_a_map(orbident: Orbident):
     ran = orbident("topics", bag, "-o", "/dev/full")
     ran.refused("/dev/full: cannot be written")
     assert ran.out == ""
+
+
+def test_topics_of_a_file_that_is_cut_off(orbident: Orbident):
+    bag = write_bag("mcap-ros2", Path(), sent())
+    bag.write_bytes(bag.read_bytes()[: bag.stat().st_size // 2])
+    ran = orbident("topics", bag, "--json", "-")
+    said = f"{bag}: is cut off: what is before is used"
+    assert f"warning: {said}" in ran.err
+    assert ran.json["warnings"][0].startswith(said)
 
 
 REFUSED = {

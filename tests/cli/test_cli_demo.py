@@ -39,9 +39,13 @@ def test_a_terminal_with_a_display_opens_the_report(
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
     monkeypatch.setattr(webbrowser, "open", lambda url: not opened.append(url))
+    monkeypatch.delenv("NO_COLOR", raising=False)
     orbident("demo", "--quiet")
     assert opened == []
-    assert "(it is open in the browser)" in orbident("demo", "--force").out
+    shown = orbident("demo", "--force").out
+    assert "(it is open in the browser)" in shown
+    # In bold green.
+    assert "\npaper-spatial: \x1b[1;32m✓ trusted\x1b[0m, " in shown
     assert opened == [Path("demo/run/report.html").resolve().as_uri()]
 
 

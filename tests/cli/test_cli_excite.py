@@ -13,6 +13,7 @@ from urdf_pieces import ARM, robot_file
 from valved_satellite import satellite
 
 from orbident.cli import excite_tables
+from orbident.excitation.floating import was_at_rest
 from orbident.robot.robot_file import load_robot
 from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory import Trajectory
@@ -236,6 +237,15 @@ def test_sample_for_ros(orbident, table_5):
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),
         (["paper-spatial", "-o", "made.yaml", "--limit", "table=1x1"], ["in space"]),
         (["cepheus-like", "--compare", "missing.yaml"], ["missing.yaml"]),
+        (
+            ["paper-spatial", "--like-paper", "-o", "m.yaml", "--wheel-speed", 60],
+            ["--like-paper give the initial state already"],
+        ),
+        (["cepheus-like", "-o", "m.yaml", "--wheel-speed", "inf"], ["finite"]),
+        (
+            ["cepheus-like", "-o", "m.yaml", "--initial-momentum", "some"],
+            ["--initial-momentum", "at-rest"],
+        ),
         (["cepheus-like", "-o", "m.yaml", "--recordings", 0], ["--recordings"]),
         (["cepheus-like", "-o", "m.yaml", "--recordings", 1e9], ["--recordings"]),
         (["cepheus-like", "-o", "m.yaml", "--recordings", 101], ["--recordings"]),
@@ -248,6 +258,18 @@ def test_sample_for_ros(orbident, table_5):
 )
 def test_wrong_input(orbident, table_5, arguments, words):
     orbident("excite", *arguments).refused(*words)
+
+
+def test_how_it_starts_is_said(orbident):
+    """All at rest before the wheels spun up to 60 rad/s, in space too."""
+    start = ("--wheel-speed", 60, "--initial-momentum", "at-rest")
+    orbident(
+        *("excite", "paper-spatial", *start, "--duration", 20, "--starts", 1),
+        *("--harmonics", 2, "-o", "made.yaml"),
+    ).done()
+    robot, made = load_robot("paper-spatial"), load_trajectory("made.yaml")
+    assert made.initial.wheel_speed == dict.fromkeys(robot.wheel_names, 60.0)
+    assert was_at_rest(robot, made.initial, made.start)
 
 
 def test_a_duration_too_short_says_by_how_much(orbident, table_5):

@@ -187,7 +187,7 @@ def test_a_rejected_run(orbident: Orbident, run: str):
         ("-o", "a.json", "--q", "0,0,0"),
         ("-o", "a.mcap", "--recording", "r.parquet"),
     ):
-        orbident("export", run, *arguments).refused("is rejected", "mass: no scale")
+        orbident("export", run, *arguments).refused("is refused", "mass: no scale")
     assert not list(Path().glob("a.*"))
 
 

@@ -55,6 +55,21 @@ def test_inspect_counts_without_structure(orbident: Orbident, tmp_path: Path):
     assert count == {"pi": 45, "phi": 9, "base": 31}
 
 
+def test_inspect_fits_two_screens(orbident: Orbident, tmp_path: Path):
+    """What is too much for them is shown with `--all`."""
+    path = write_robot(load_robot("paper-spatial"), tmp_path)
+    document = yaml.safe_load(path.read_text())
+    del document["structure"]
+    path.write_text(yaml.safe_dump(document))
+    brief = orbident("inspect", path).done().out.splitlines()
+    assert len(brief) <= 48
+    assert "  and 7 more" in brief
+    assert any(line.split()[:3] == ["total", "mass", "M"] for line in brief)
+    every = orbident("inspect", path, "--all").done().out
+    assert "  M                1110   m(base) + m(link1) + m(link2) + m(link3)" in every
+    assert "  pi_45 " in every
+
+
 def test_inspect_json(orbident: Orbident):
     document = orbident("inspect", "paper-spatial", "--json", "-").done().json
     assert set(document) == {

@@ -96,7 +96,7 @@ def test_identify_prints_and_keeps_its_result(orbident: Orbident, flight: Record
     ran = orbident(
         "identify", "paper-spatial", "r.csv", "-o", "run", "--json", "copy.json"
     ).done()
-    assert "paper-spatial: ok, 801 samples" in ran.out
+    assert "paper-spatial: trusted, 801 samples" in ran.out
     assert "mass 1110 +- " in ran.out
     assert "kg by maximum-likelihood" in ran.out
     assert "kg kg" not in ran.out

@@ -114,7 +114,7 @@ def test_two_arms(orbident: Orbident, tmp_path: Path):
     for name in ("[bold]two arms: spatial", *NAMES):
         assert name in shown
     identified = orbident("identify", whole.path, "r.parquet", *LINEAR).done()
-    assert identified.out.startswith("[bold]two arms: ok")
+    assert identified.out.startswith("[bold]two arms: trusted")
 
 
 def test_one_joint(orbident: Orbident, tmp_path: Path):
@@ -141,7 +141,7 @@ def test_no_joint(orbident: Orbident, tmp_path: Path):
         assert missing(kept) == []
         assert worst_error(kept, whole.inspected[name]) < EXACT
     other = whole.simulated("other.csv", seed=3)
-    orbident("validate", "run", other).refused("is rejected", "weigh the robot")
+    orbident("validate", "run", other).refused("is refused", "weigh the robot")
 
 
 def test_planar_with_a_slide(orbident: Orbident, tmp_path: Path):

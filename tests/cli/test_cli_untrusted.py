@@ -120,7 +120,7 @@ def test_validate_refuses_what_is_not_determined(orbident: Orbident, flight: Rec
     assert ran.status == 1
     assert json.loads(Path("run/result.json").read_text())["status"] == "rejected"
     written(flight, "s.csv")
-    orbident("validate", "run", "s.csv").refused("is rejected", "velocity.x")
+    orbident("validate", "run", "s.csv").refused("is refused", "velocity.x")
 
 
 def test_the_reason_is_said_even_when_quiet(orbident: Orbident, flight: Recording):
@@ -131,7 +131,7 @@ def test_the_reason_is_said_even_when_quiet(orbident: Orbident, flight: Recordin
     assert "orbident: warning: phi and the mass are not determined" in ran.err
     shown = orbident("identify", "paper-spatial", "r.csv").out
     head, reason, *rest = shown.split("\n")
-    assert head.startswith("paper-spatial: rejected")
+    assert head.startswith("paper-spatial: refused")
     assert "phi and the mass are not determined" in reason
     # No numbers follow.
     assert rest == [""]

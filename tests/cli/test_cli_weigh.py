@@ -28,7 +28,7 @@ def test_mass_in_words_and_as_json(
 ):
     file = written(table_burn, f"burn.{suffix}")
     words = orbident("weigh", "cepheus-like", file).done().out
-    assert "cepheus-like: ok, 401 samples of position" in words
+    assert "cepheus-like: trusted, 401 samples of position" in words
     assert "mass 12.3 +- " in words
     # sqrt(0.3^2 + 0.5^2) N for 0.5 s.
     assert "impulse of 0.2915 N s" in words

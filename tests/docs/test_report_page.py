@@ -5,7 +5,7 @@ import re
 
 from pages import ROOT
 
-from orbident.report.page import HEADLINES
+from orbident.estimation.checks import VERDICTS
 
 PAGE = (ROOT / "docs/reading-the-report.md").read_text(encoding="utf-8")
 REPORT = ROOT / "src/orbident/report"
@@ -35,5 +35,6 @@ def test_every_section_is_explained():
 
 
 def test_the_verdicts_are_those_of_the_report():
-    rows = re.findall(r"^\| (.*?) \| .*? \| `(.*?)` \|", PAGE, re.MULTILINE)
-    assert {level: words for words, level in rows if level in HEADLINES} == HEADLINES
+    rows = re.findall(r"^\| (.*?) \| `(.*?)` \|", PAGE, re.MULTILINE)
+    found = {level: words.lower() for words, level in rows if level in VERDICTS}
+    assert found == VERDICTS

@@ -17,15 +17,17 @@ HEAD = "schema: orbident/topic-map/1\ntopics:\n"
 
 
 def refusal(folder: Path, entry: str) -> str:
-    """What is said of a map with this one entry, after the name of its file."""
+    """What is said of a map with this one entry, after its file and line."""
     path = folder / "map.yaml"
     path.write_text(f"{HEAD}  - {entry}\n")
     with pytest.raises(InputError) as raised:
         load_topic_map(path)
     line = str(raised.value)
-    assert line.startswith(f"{path}: ")
     assert "\n" not in line
-    return line.removeprefix(f"{path}: ")
+    place, said = line.split(": ", 1)
+    assert place.startswith(f"{path}:")
+    assert int(place.removeprefix(f"{path}:")) > 2
+    return said
 
 
 def converted(

@@ -228,5 +228,6 @@ BEFORE: dict[str, Callable[[], None]] = {
     "docs/how-to/which-sensors.md": flyer,
     "docs/json-files.md": flyer,
     "docs/open-benchmark.md": repository,
+    "docs/skill/SKILL.md": first_result,
 }
 """What makes these files, by page."""

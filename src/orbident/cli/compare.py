@@ -39,7 +39,7 @@ def compare(
 def _lines(comparison: Any) -> list[Any]:
     change = comparison.change
     if change is None:
-        return ["rejected"]
+        return ["refused"]
     lines: list[Any] = [
         f"{comparison.status}: the base parameters differ by chi-square "
         f"{change.value:.4g}, expected {change.dof} (p {change.p:.2g})"

@@ -3,7 +3,7 @@
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -99,6 +99,20 @@ def excite(
             "trajectory.",
         ),
     ] = None,
+    wheel_speed: Annotated[
+        float | None,
+        typer.Option(
+            metavar="RAD/S", help="Speed of all wheels at the start (default 200)."
+        ),
+    ] = None,
+    initial_momentum: Annotated[
+        Literal["unknown", "at-rest"] | None,
+        typer.Option(
+            help="The start. unknown: the base tumbles slowly. at-rest: all was at "
+            "rest before the wheels spun up. The default is at-rest on a table, and "
+            "unknown in space."
+        ),
+    ] = None,
     like_paper: Annotated[
         bool,
         typer.Option(
@@ -150,6 +164,8 @@ def excite(
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits
     )
+    told = like is not None or like_paper
+    given = _started(described, given, wheel_speed, initial_momentum, told)
     from orbident.excitation.floating import was_at_rest
     from orbident.robot.oddities import not_shown
 
@@ -172,6 +188,28 @@ def excite(
         raise KeyboardInterrupt
     if not excites_all(last):
         raise typer.Exit(1)
+
+
+def _started(
+    robot: Any, given: Any, wheel_speed: float | None, momentum: str | None, told: bool
+) -> Any:
+    """The conditions, with another initial state where that is asked for."""
+    from dataclasses import replace
+
+    from orbident.excitation.floating import usual_initial
+
+    if wheel_speed is None and momentum is None:
+        return given
+    if told:
+        raise InputError(
+            "--wheel-speed and --initial-momentum: --like and --like-paper give the "
+            "initial state already; leave one of them out"
+        )
+    if wheel_speed is not None and not robot.wheels:
+        raise InputError(f"--wheel-speed: {robot.name} has no wheels; leave it out")
+    at_rest = None if momentum is None else momentum == "at-rest"
+    initial = usual_initial(robot, given.start, wheel_speed, at_rest)
+    return replace(given, initial=initial)
 
 
 def _designed(

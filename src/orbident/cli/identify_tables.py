@@ -6,7 +6,9 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
+from orbident.cli.output import with_sign
 from orbident.data_table import DataTable, Numeric, TableRow
+from orbident.estimation.checks import VERDICTS
 from orbident.estimation.quantities import parameter_rows
 from orbident.model.core_robot import IN_FORMULAS, geared_joints
 from orbident.model.formulas import named
@@ -37,14 +39,17 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     With everything come `pi`, `phi`, the mass by every route, residuals of sensors.
     """
     written = [] if out is None else [f"written: {out}"]
+    head, *rest = result.summary()
+    head = with_sign(head, VERDICTS[result.level])
     if result.status == "rejected":
-        return [*_refused(result, everything), *written]
+        return [head, *rest, *_left_out(result, everything), *written]
     if everything:
-        lines = [*result.summary()[:2], *_everything(result), *_joints(result)]
+        lines = [head, rest[0], *_everything(result), *_joints(result)]
         lines += [*_sensitivity(result), *budget_lines(result.budget())]
         return [*lines, *written]
     return [
-        *result.summary(),
+        head,
+        *rest,
         "",
         *_goodness(result),
         *_joints(result),
@@ -56,12 +61,11 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     ]
 
 
-def _refused(result: Any, everything: bool) -> list[str]:
-    """That it is refused, why, and where the rest is."""
+def _left_out(result: Any, everything: bool) -> list[str]:
+    """How many checks of a refused result are not printed, and where they are."""
     more = len({*result.warnings} - {*warnings_of(result, everything)})
     checks = "1 more check failed" if more == 1 else f"{more} more checks failed"
-    rest = [f"{checks}: --all and --json show all"] if more else []
-    return [*result.summary(), *rest]
+    return [f"{checks}: --all and --json show all"] if more else []
 
 
 def warnings_of(result: Any, everything: bool) -> list[str]:

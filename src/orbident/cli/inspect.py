@@ -24,9 +24,14 @@ def inspect(
         ),
     ] = None,
     initial_momentum: MomentumKnown = "unknown",
+    everything: Annotated[
+        bool,
+        typer.Option("--all", help="Show all parameters, with formulas, pi and phi."),
+    ] = False,
 ) -> None:
     """Show a robot, and what a recording of it can identify."""
     from orbident.cli.identify_tables import budget_lines
+    from orbident.estimation.quantities import physical_names
     from orbident.model.formulas import (
         formulas_of,
         nominal_parameters,
@@ -72,7 +77,12 @@ def inspect(
         document["table"] = [float(side) if side < inf else None for side in table]
     document["unidentifiable"] = unidentifiable
     document["warnings"] = list(described.warnings)
-    output.say(*_lines(described, document), *budget_lines(budget))
+    lines = _robot(described, document)
+    if everything:
+        lines += _sets(document)
+    else:
+        lines += _in_brief(document, physical_names(words.base))
+    output.say(*lines, *_open(document), *budget_lines(budget))
     output.write_json(document)
 
 
@@ -99,11 +109,11 @@ def _deviations(known: Any) -> list[float | None]:
     ]
 
 
-def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
+def _robot(robot: Any, document: dict[str, Any]) -> list[str]:
+    """Bodies, joints and wheels, and the table that the motion needs."""
     from orbident.cli.excite_tables import table_words
     from orbident.cli.robot_tree import driven_words, wheel_words
 
-    count = document["count"]
     lines = [
         f"{robot.name}: {robot.motion}, {robot.mass:.6g} kg nominal",
         "",
@@ -116,6 +126,36 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     lines += [f"wheel   {wheel.name}: {wheel_words(wheel)}" for wheel in robot.wheels]
     if document.get("table"):
         lines.append(f"motion  {table_words(document['table'])}")
+    return lines
+
+
+MOST = 24
+"""Parameters that are shown, unless all are asked for: with what else is said of a
+robot of six joints they fill two screens."""
+
+
+def _in_brief(document: dict[str, Any], what: list[str]) -> list[str]:
+    """The first base parameters, in words, and how many numbers there are."""
+    count, entries = document["count"], document["base"]
+    bounds = _in_words(entries)
+    head = [f"  {'':25} {'':8} {'':12} {'bound':>9} {'%':>8}"] if bounds[0] else []
+    rows = zip(what, entries["names"], entries["values"], bounds, strict=True)
+    lines = [
+        f"  {each:25} {name:8} {value:12.5g}{bound}"
+        for each, name, value, bound in rows
+    ]
+    more = [f"  and {len(lines) - MOST} more"] if len(lines) > MOST else []
+    return [
+        "",
+        f"{count['base']} base parameters, nominal (M, kg; sigma, kg m; iota, kg m^2),",
+        f"from {count['pi']} pi and {count['phi']} phi; --all shows all, with formulas",
+        *(*head, *lines[:MOST], *more),
+    ]
+
+
+def _sets(document: dict[str, Any]) -> list[str]:
+    """All parameters with their formulas."""
+    count, lines = document["count"], []
     titles = {
         "base": f"{count['base']} free-flying base parameters, nominal values: "
         "M, kg; sigma, kg m; iota, kg m^2",
@@ -139,6 +179,12 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
             f"  {name:8} {value:12.5g}{bound}   {formula}"
             for name, value, bound, formula in rows
         ]
+    return lines
+
+
+def _open(document: dict[str, Any]) -> list[str]:
+    """What no recording tells, and what is odd about the robot."""
+    lines = []
     for title, sentences in (
         ("not identifiable from free floating", document["unidentifiable"]),
         ("warnings", document["warnings"]),

@@ -1,6 +1,7 @@
 """Where results go: tables for people, JSON for machines, progress for the patient."""
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -20,8 +21,20 @@ WIDTH = 110
 """Columns of a table, in a narrower terminal too: a number is never cut short. A tree,
 which is words, is as narrow as the terminal."""
 
+SIGNS = {"trusted": ("✓", "32"), "with care": ("!", "33"), "refused": ("✗", "31")}
+"""How a person sees a verdict: with a symbol, in a colour of ECMA-48."""
+
 PERIOD = 600.0
 """Seconds before now whose progress predicts the time left: steps may take minutes."""
+
+
+def with_sign(head: str, verdict: str) -> str:
+    """A line with its verdict, as a person at a terminal sees it."""
+    if not sys.stdout.isatty() or "NO_COLOR" in os.environ:
+        return head
+    symbol, colour = SIGNS[verdict]
+    shown = f"\x1b[1;{colour}m{symbol} {verdict}\x1b[0m"
+    return head.replace(f": {verdict},", f": {shown},")
 
 
 class Output:

@@ -102,7 +102,7 @@ def study(
         used_seed = seed if noisy else None
         output.warn(_keep(done, name, out, force, used_seed))
     if done.rejected:
-        output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
+        output.warn([f"{done.rejected} of {done.seeds} runs were refused"])
     if not done.trusted:
         output.warn(done.result.warnings)
     output.say(*_lines(done))

@@ -42,6 +42,7 @@ def topics(
         check_free(out, force)
     with progress("reading") as done:
         surveyed = oi.survey_file(file, done)
+    output.warn(surveyed[0].notes)
     if preset is None:
         named = None if robot is None else oi.load_robot(robot)
         proposal = proposed_map(surveyed, named)
@@ -56,7 +57,14 @@ def topics(
         output.say(proposal.rstrip())
     else:
         output.say(f"# written: {out}; decide at every TODO in it")
-    output.write_json({"file": str(file), "topics": _rows(surveyed), "map": proposal})
+    output.write_json(
+        {
+            "file": str(file),
+            "topics": _rows(surveyed),
+            "map": proposal,
+            "warnings": list(surveyed[0].notes),
+        }
+    )
 
 
 def _rows(surveyed: Any) -> list[dict[str, Any]]:

@@ -85,9 +85,10 @@ def _lines(robot: str, weighing: Any) -> list[str]:
         if weighing.status == "rejected"
         else f"mass {mass.value:.6g} +- {mass.std:.2g} kg"
     )
+    verdict = "refused" if weighing.status == "rejected" else "trusted"
     impulse = sum(component**2 for component in weighing.impulse) ** 0.5
     lines = [
-        f"{robot}: {weighing.status}, {weighing.samples} samples of {weighing.signal}",
+        f"{robot}: {verdict}, {weighing.samples} samples of {weighing.signal}",
         f"{found}, from an impulse of {impulse:.4g} N s",
     ]
     thrust = weighing.thrust

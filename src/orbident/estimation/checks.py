@@ -10,6 +10,9 @@ Level = Literal["trust", "with care", "do not trust"]
 LEVELS: tuple[Level, ...] = get_args(Level)
 """The levels, from the best to the worst."""
 
+VERDICTS = dict(zip(LEVELS, ("trusted", "with care", "refused"), strict=True))
+"""What a result of each level is called, in the terminal and in the report."""
+
 
 @dataclass(frozen=True, repr=False)
 class Check(JsonPart):

@@ -274,8 +274,8 @@ def _what_may_act(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
         yield Check(
             "what may act",
             "trust",
-            f"deviations hold what may act ({names}); if nothing did, they would be "
-            f"{estimate.widened_by:.2g} times narrower",
+            f"deviations hold what may act ({names}): they are "
+            f"{estimate.widened_by:.3g} times as wide as if nothing did",
         )
 
 

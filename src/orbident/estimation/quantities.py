@@ -26,7 +26,7 @@ from orbident.files.json_parts import (
     Symmetric,
 )
 from orbident.files.names import counted, joined, suggestion
-from orbident.model.formulas import of_width, physical_name
+from orbident.model.formulas import Formulas, of_width, physical_name
 
 LISTED = 8
 """Parameters that a `repr` shows."""
@@ -304,10 +304,10 @@ def parameter_rows(found: EstimatedSet, which: Iterable[int]) -> Iterator[TableR
 
 def short_table(found: EstimatedSet) -> list[str]:
     """Lines of at most `MOST` parameters, and how far the others are from CAD."""
-    shown = most_different(found, MOST)
+    shown, what = most_different(found, MOST), physical_names(found)
     lines = [
         f"{'':{WIDEST}} {BESIDE}",
-        *(_short_line(found, k) for k in shown.tolist()),
+        *(_short_line(found, k, what[k]) for k in shown.tolist()),
     ]
     left = np.setdiff1d(np.arange(len(found.names)), shown)
     off = np.abs(found.sigmas[left])
@@ -324,12 +324,17 @@ def short_table(found: EstimatedSet) -> list[str]:
     return [*lines, f"  {', '.join(words)}"] if words else lines
 
 
-def _short_line(found: EstimatedSet, k: int) -> str:
+def physical_names(base: EstimatedSet | Formulas) -> list[str]:
+    """What each base parameter is, in `WIDEST` letters; its symbol if need be."""
+    pairs = zip(base.names, base.formulas, strict=True)
+    return [of_width(physical_name(*pair), WIDEST) for pair in pairs]
+
+
+def _short_line(found: EstimatedSet, k: int, what: str) -> str:
     """What a parameter is, its symbol and numbers."""
     ((name, value, std, unit, _, nominal, *_),) = (
         map(str, row.cells) for row in parameter_rows(found, [k])
     )
-    what = of_width(physical_name(name, found.formulas[k]), WIDEST)
     far = abs(found.sigmas[k])
     form = "+.1f" if far < 100 else "+.0f" if far < 10_000 else "+.1e"
     off = Numeric(found.sigmas[k], form)

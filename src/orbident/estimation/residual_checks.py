@@ -87,8 +87,8 @@ def _sensors(estimate: Estimate) -> Iterator[Check]:
         if np.isfinite(times):
             unit = SIGNAL_UNITS[name]
             reason = (
-                f"noise of {name}: {fit.noise:.2g} {unit}, {times:.2g} times the "
-                f"{fit.declared:.2g} that the robot file declares"
+                f"noise of {name}: {fit.noise:.2g} {unit}, {times:.3g} times the "
+                f"declared {fit.declared:.2g}"
             )
             remedy = "" if level == "trust" else REMEDY
             yield Check(f"noise of {name}", level, reason, remedy, times, NOISY)

@@ -20,7 +20,7 @@ from orbident.choices import CauseSearch
 from orbident.data_table import Interval
 from orbident.errors import InputError
 from orbident.estimation.budget import Budget, SensitivityTable
-from orbident.estimation.checks import Check, Level, worst
+from orbident.estimation.checks import VERDICTS, Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.quantities import (
@@ -233,9 +233,8 @@ class Result(BesideParameters, Identified):
         The mass with its 95 % interval, and the base parameters beside CAD: all, or
         those that differ most. A refused result has its reason and no numbers.
         """
-        careful = " with care" if self.level == "with care" else ""
         head = (
-            f"{self.robot.name}: {self.status}{careful}, {self.samples} samples, "
+            f"{self.robot.name}: {VERDICTS[self.level]}, {self.samples} samples, "
             f"{self.elapsed_s:.2f} s"
         )
         if self.status == "rejected":
@@ -321,7 +320,7 @@ class Result(BesideParameters, Identified):
         """
         if self.status == "rejected":
             raise InputError(
-                f"the result for '{self.robot.name}' is rejected, so no model is made "
+                f"the result for '{self.robot.name}' is refused, so no model is made "
                 f"of it: {self.refusal()}"
             )
 

@@ -296,12 +296,27 @@ NO_MOMENTUM = 1e-6
 """Share of the wheels' momentum: more than rounding in a file, less than tumbling."""
 
 
-def usual_initial(robot: Robot, start: Float[np.ndarray, "joints 3"]) -> InitialState:
-    """A state of slow tumbling, all wheels spinning; on a table, spun up from rest."""
-    speeds = dict.fromkeys(robot.wheel_names, WHEEL_SPEED)
-    if robot.motion == "planar":
+def usual_initial(
+    robot: Robot,
+    start: Float[np.ndarray, "joints 3"],
+    wheel_speed: float | None = None,
+    at_rest: bool | None = None,
+) -> InitialState:
+    """A state of slow tumbling, all wheels spinning; on a table, spun up from rest.
+
+    Args:
+        robot: whose wheels and inertia count.
+        start: position, velocity and acceleration of each joint.
+        wheel_speed: of all wheels, rad/s; `WHEEL_SPEED` where it is not said.
+        at_rest: whether all was at rest before the wheels spun up, on a table or not.
+    """
+    planar = robot.motion == "planar"
+    speed = WHEEL_SPEED if wheel_speed is None else wheel_speed
+    speeds = dict.fromkeys(robot.wheel_names, speed)
+    if planar if at_rest is None else at_rest:
         return spun_up(robot, speeds, start)
-    return InitialState(np.array(TUMBLE), wheel_speed=speeds)
+    tumble = np.array([0.0, 0.0, TUMBLE[2]] if planar else TUMBLE)
+    return InitialState(tumble, wheel_speed=speeds)
 
 
 def spun_up(

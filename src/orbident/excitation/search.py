@@ -384,5 +384,6 @@ def _inside_base_limits(space: SearchSpace, y: Float[np.ndarray, "free m"]) -> F
     raise InputError(
         "base limits: even the gentlest joint motion exceeds the limit of "
         f"{problem.limited[worst]}, by {np.sqrt(candidate.used[worst]) - 1:.2g} "
-        "of it; raise it by --limit, or give other ends or less momentum by --like"
+        "of it; raise it by --limit, or give less momentum (--wheel-speed, "
+        "--initial-momentum at-rest) or other ends (--like)"
     )

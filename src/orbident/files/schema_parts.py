@@ -37,12 +37,17 @@ _REMEDIES = {
 
 
 def validated(
-    model: type[Model], document: dict[Any, Any], place: str, text: str = ""
+    model: type[Model],
+    document: dict[Any, Any],
+    place: str,
+    text: str = "",
+    within: tuple[int | str, ...] = (),
 ) -> Model:
     """The document as an instance of a schema.
 
     The schema is a class with typed fields; messages begin with the place, and tell the
-    line of the YAML text that was read.
+    line of the YAML text that was read. The document is all of it, or the part within
+    these keys.
 
     Raises:
         InputError: the first thing that is wrong, and how many more there are.
@@ -50,22 +55,26 @@ def validated(
     try:
         return adapter(model).validate_python(document)
     except ValidationError as error:
-        raise InputError(_one_line(error, place, text)) from None
+        raise InputError(_one_line(error, place, text, within)) from None
 
 
-def _one_line(error: ValidationError, place: str, text: str) -> str:
+def _one_line(
+    error: ValidationError, place: str, text: str, within: tuple[int | str, ...]
+) -> str:
     # A file of another kind has many faults; the schema is the one that says so.
     faults = error.errors(include_url=False)
     first, *others = sorted(faults, key=lambda fault: fault["loc"] != ("schema",))
     cause = first.get("ctx", {}).get("error")
     unknown = (cause.key,) if isinstance(cause, _UnknownKeyError) else ()
-    place += _line(text, (*first["loc"], *unknown))
-    where = ": ".join(filter(None, (place, _path(first["loc"]))))
+    location = (*within, *first["loc"])
+    where = ": ".join(
+        filter(None, (place + line_of(text, (*location, *unknown)), _path(location)))
+    )
     more = f" (and {len(others)} more)" if others else ""
     return " ".join(f"{where}: {_problem(first)}{more}".split())
 
 
-def _line(text: str, location: tuple[object, ...]) -> str:
+def line_of(text: str, location: tuple[object, ...]) -> str:
     """`:12`, the line of the last key of a location that is there; else nothing."""
     node, line = yaml.compose(text, Loader=_StrictLoader), ""
     for key in map(str, location):

@@ -143,7 +143,7 @@ WHITE = "least-squares"
 def rejected(before: Result, after: Result) -> tuple[str, ...]:
     """Which of two results must not be trusted."""
     return tuple(
-        f"the run {when} is rejected, so nothing is compared: " + result.refusal()
+        f"the run {when} is refused, so nothing is compared: " + result.refusal()
         for when, result in (("before", before), ("after", after))
         if result.status == "rejected"
     )

@@ -10,6 +10,7 @@ exactly so where it is low-passed to first order.
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 from jaxtyping import Float
@@ -18,6 +19,7 @@ from scipy.interpolate import CubicSpline
 from orbident.errors import InputError
 from orbident.gaussian import white_std
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 
 
 def spline_rates(
@@ -182,6 +184,35 @@ are chosen."""
 
 GAP = 10.0
 """Times the usual step: over a longer one rates are not integrated."""
+
+
+def coarse_speeds(robot: Robot, recording: Recording) -> Iterator[str]:
+    """Speeds that never show the noise that the robot file declares, in words.
+
+    Rounding to steps of `s` is off by `s / sqrt(12)`, and by as much for as long as the
+    speed stays the same: no number of samples averages it.
+
+    Args:
+        robot: with the noise of its tachometers; without it nothing is said.
+        recording: without what is no measurement.
+    """
+    std = (robot.sensors.wheels and robot.sensors.wheels.tachometer) or 0.0
+    for wheel in robot.wheel_names if std else ():
+        name = f"wheel.{wheel}.speed"
+        speed = recording.column(name) if recording.has(name) else np.empty(0)
+        speed = speed[~np.isnan(speed)]
+        values = np.unique(speed)
+        step = np.diff(values).min(initial=np.inf)
+        # Of noise no two samples are alike, and of a ramp none.
+        if speed.size < FEWEST or values.size > speed.size / 2 or step < sqrt(12) * std:
+            continue
+        what = f"goes in steps of {step:.3g} rad/s"
+        if values.size == 1:
+            what = f"is {values[0] + 0.0:g} rad/s throughout"
+        yield (
+            f"column '{name}' {what}, without the declared noise of {std:g} rad/s: if "
+            "it is rounded or a command, no std holds its error; record the true speed"
+        )
 
 
 def false_rates(

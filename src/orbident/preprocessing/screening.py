@@ -20,7 +20,7 @@ from orbident.preprocessing.column_faults import (
     unwrapped,
     within_a_turn,
 )
-from orbident.preprocessing.rates import false_rates
+from orbident.preprocessing.rates import coarse_speeds, false_rates
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.column_checks import check_filled
 from orbident.recordings.columns import VECTORS
@@ -46,7 +46,6 @@ FASTEST = 1000.0
 
 MARGIN = 0.05
 """Part of a joint's range: beyond its stops by so much it cannot have been."""
-
 
 FARTHER = 2.0
 """Times its range: no wrong zero, and no stop that was measured badly, lets a joint
@@ -97,8 +96,9 @@ def screened(robot: Robot, recording: Recording) -> Screened:
     settings = Settings()
     measured = _measured_only(robot, recording, settings)
     beyond = tuple(_beyond_ranges(robot, measured.recording))
+    coarse = tuple(coarse_speeds(robot, measured.recording))
     clean = _put_right(robot, measured, settings)
-    return replace(clean, notes=(*beyond, *clean.notes))
+    return replace(clean, notes=(*beyond, *coarse, *clean.notes))
 
 
 def cleaned(

@@ -80,8 +80,8 @@ def no_measurements(
     - An impossible value: all the others lie a hundred times closer together.
     - Repeats of the sample before, where a tenth of the values is held so. The first of
       each is kept. A coarse sensor repeats too, but then goes on by its smallest step.
-    - A pose or a torque that is frozen: five or more in a row, which begin or end with
-      a leap.
+    - A pose, a torque or an accelerometer that is frozen: five or more in a row, which
+      begin or end with a leap.
     - Zeros alone, to which a position leaps.
 
     The sensor is the name of its group of columns. The table is in any unit, and NaN
@@ -93,7 +93,10 @@ def no_measurements(
         found[reason] = (table == value).any(axis=1)
     for mask in found.values():
         table[mask] = np.nan
-    found |= repeats(table, sensor in POSES or sensor.endswith(TORQUE))
+    freezes = sensor in POSES or sensor.endswith(TORQUE)
+    # One that shows zeros has no noise, and rests.
+    freezes |= sensor == "accelerometer" and bool((table != 0).any(axis=1).all())
+    found |= repeats(table, freezes)
     for mask in found.values():
         table[mask] = np.nan
     return found | (zeros_alone(table.T, table.T) if is_position(sensor) else {})

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from orbident.data_table import DataTable, Numeric, table_of
+from orbident.estimation.quantities import physical_names
 from orbident.estimation.result import Result
 from orbident.model.formulas import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
@@ -68,7 +69,7 @@ def correlations(result: Result) -> tuple[list[str], np.ndarray]:
     C = result.base_covariance
     std = np.sqrt(np.diag(C))
     sure = np.isfinite(std) & (std > 0)
-    names = [name for name, one in zip(result.base.names, sure, strict=True) if one]
+    names = [physical_names(result.base)[k] for k in np.flatnonzero(sure)]
     return names, (C / np.outer(std, std))[np.ix_(sure, sure)]
 
 
@@ -77,10 +78,10 @@ def _close(names: list[str], R: np.ndarray) -> str:
     if not len(pairs):
         return f"No two base parameters are correlated by more than {CLOSE}."
     order = np.argsort(-np.abs(R[tuple(pairs.T)]))[:LISTED]
-    listed = ", ".join(
-        f"{names[i]} and {names[j]} ({short(float(R[i, j]))})" for i, j in pairs[order]
+    listed = "; ".join(
+        f"{names[i]} with {names[j]} ({short(float(R[i, j]))})" for i, j in pairs[order]
     )
-    more = " and others" if len(pairs) > LISTED else ""
+    more = "; and others" if len(pairs) > LISTED else ""
     return f"Hardly distinguished (correlation): {listed}{more}."
 
 

@@ -14,7 +14,6 @@ from orbident.report.charts import (
     ERROR,
     LIMIT,
     MEASURED,
-    PREDICTED,
     Figure,
     Panel,
     decades,
@@ -44,7 +43,8 @@ def fits(result: Result, signals: Signals) -> Section | None:
         title="Measured and predicted",
         words=(
             f"{words} Bands are 95 % of the noise found; curves have as many points "
-            "as a screen can show.",
+            "as a screen can show. Slow parts of residuals are smaller than noise, and "
+            "their first lags below zero, because what is fitted takes them up.",
         ),
         tables=tuple(_tables(result)),
         charts=tuple(chart for signal in signals for chart in charts_of(signal)),
@@ -114,8 +114,10 @@ def _signal(signal: Signal) -> Figure:
     for k, label in enumerate(axis_labels(signal)):
         names = ({"name": "measured"}, {"name": "predicted"}) if k == 0 else ({}, {})
         measured = history(signal.t, signal.measured[:, k], MEASURED, **names[0])
-        measured["line"]["width"] = 3
-        predicted = history(signal.t, signal.predicted[:, k], PREDICTED, **names[1])
+        # Both are seen where they agree, as they should.
+        measured["line"]["width"] = 5
+        predicted = history(signal.t, signal.predicted[:, k], ERROR, **names[1])
+        predicted["line"]["width"] = 1.8
         panels.append(Panel(label, [measured, predicted]))
     return stacked(panels, "t (s)")
 

@@ -23,7 +23,7 @@ from orbident.data_table import (
     plain,
     power_of_ten,
 )
-from orbident.estimation.checks import Check, Level
+from orbident.estimation.checks import VERDICTS, Check, Level
 from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.gaussian import NINETY_FIVE
@@ -128,13 +128,6 @@ class Section(NamedTuple):
     pictures: tuple[Picture, ...] = ()
 
 
-HEADLINES: dict[Level, str] = {
-    "trust": "Trust it",
-    "with care": "Usable, with reservations",
-    "do not trust": "Do not trust it",
-}
-
-
 class Verdict(NamedTuple):
     """The head of a report."""
 
@@ -147,8 +140,8 @@ class Verdict(NamedTuple):
 
     @property
     def headline(self) -> str:
-        """The level, as an advice."""
-        return HEADLINES[self.level]
+        """The level, in a word."""
+        return VERDICTS[self.level].capitalize()
 
     @property
     def style(self) -> str:

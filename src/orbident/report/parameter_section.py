@@ -14,6 +14,7 @@ from orbident.estimation.quantities import (
     MassRoutes,
     most_different,
     parameter_rows,
+    physical_names,
 )
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
@@ -219,7 +220,7 @@ def differences(base: EstimatedSet) -> ParameterIntervals:
     kinds = np.array([name.split("_")[0] for name in base.names])
     size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
     shown = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))
-    names = [name for name, seen in zip(base.names, shown, strict=True) if seen]
+    names = [physical_names(base)[k] for k in np.flatnonzero(shown)]
     off = 100 * (base.values[shown] / nominal[shown] - 1)
     half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
     return ParameterIntervals(names, off, half)
@@ -252,6 +253,8 @@ def sensitivities(result: Result) -> Section | None:
     if table is None or not np.isfinite(table.shifts).any():
         return None
     shown = largest_shifts(table)
+    what = dict(zip(result.base.names, physical_names(result.base), strict=True))
+    names = [what.get(name, name) for name in shown.parameters]
     parameters, errors = table.shifts.shape
     words = (
         "The instruments below are taken as exact: the robot file has no tolerance for "
@@ -270,7 +273,7 @@ def sensitivities(result: Result) -> Section | None:
         "sensitivity",
         "Shift of each parameter, in its own standard deviations",
         heat_map(
-            *(shown.errors, shown.parameters, shown.colour, shown.full),
+            *(shown.errors, names, shown.colour, shown.full),
             height=26 * len(shown.errors) + 90,
             text=shown.cells,
             texttemplate="%{text}",
@@ -354,7 +357,8 @@ def variance_shares(result: Result) -> Section | None:
     budget = result.budget()
     if budget is None:
         return None
-    names, shares = result.base.names, budget.shares[: len(result.base.names)]
+    names = physical_names(result.base)
+    shares = budget.shares[: len(names)]
     known = np.flatnonzero(np.isfinite(shares[:, 0]))
     if not known.size:
         return None

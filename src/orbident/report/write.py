@@ -254,11 +254,15 @@ def report_page(
     sections = sections_of(result, signals_to_show(result), trail)
     first, *others = sections
     shown = [] if validated is None else [validated]
+    if replay and first.name == "parameters":
+        # What is looked at first stands at the top, beside each other.
+        replay = [replay[0]._replace(charts=(*replay[0].charts, *first.charts))]
+        first = first._replace(charts=())
     return page(
         title=result.robot.name,
         subtitle=f"Identified by {METHODS.get(result.method, result.method)}",
         verdict=verdict_of(result),
-        sections=[first, *shown, *replay, *others],
+        sections=[*replay, first, *shown, *others],
     )
 
 

@@ -149,6 +149,10 @@ class InitialState:
         return np.array([self.wheel_speed.get(name, 0.0) for name in wheel_names])
 
 
+AT_REST = np.zeros((0, 3))
+"""An end of a motion of which nothing is said: all joints are at zero, and at rest."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Joint motions after Eq. 41, and the state of the spacecraft at their start.
@@ -166,10 +170,10 @@ class Trajectory:
     """Cosine amplitudes of the rate, rad/s or m/s."""
     b: Float[np.ndarray, "joints harmonics"]
     """Sine amplitudes of the rate, rad/s or m/s."""
-    start: Float[np.ndarray, "joints 3"]
-    """Position, velocity and acceleration at t = 0; rad or m, and s."""
-    end: Float[np.ndarray, "joints 3"]
-    """The same at t = t_f."""
+    start: Float[np.ndarray, "joints 3"] = field(default_factory=lambda: AT_REST)
+    """Position, velocity, acceleration at t = 0, rad or m, and s; by default zero."""
+    end: Float[np.ndarray, "joints 3"] = field(default_factory=lambda: AT_REST)
+    """Those at t = t_f."""
     initial: InitialState = field(default_factory=InitialState)
     environment: Environment | None = None
     """What acts from outside meanwhile."""
@@ -190,6 +194,9 @@ class Trajectory:
                 "name each joint once"
             )
         K, N_f = len(self.joints), np.asarray(self.a).shape[-1]
+        for name in ("start", "end"):
+            if getattr(self, name) is AT_REST:
+                _store(self, name, np.zeros((K, 3)))
         for name, columns in (("a", N_f), ("b", N_f), ("start", 3), ("end", 3)):
             place = f"{self.source}: {name}"
             _store(self, name, _numbers(place, getattr(self, name), (K, columns)))

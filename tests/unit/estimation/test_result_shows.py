@@ -46,14 +46,14 @@ def test_repr_is_one_screen_for_any_robot():
         lines = repr(far_from_cad(name)).splitlines()
         assert len(lines) < 24
         assert max(map(len, lines)) <= 80
-        assert lines[0].startswith(f"{name}: ok, 1601 samples")
+        assert lines[0].startswith(f"{name}: trusted, 1601 samples")
         assert lines[-1].startswith("more: result.base")
 
 
 def test_repr_of_a_refused_result_is_its_reason():
     result = replace(exact_result(load_robot("cepheus-like")), checks=(REFUSED,))
     head, reason, more = repr(result).splitlines()
-    assert head.startswith("cepheus-like: rejected")
+    assert head.startswith("cepheus-like: refused")
     assert reason == REFUSED.words
     assert "diagnostics" in more
 

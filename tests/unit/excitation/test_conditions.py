@@ -1,8 +1,10 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from orbident.excitation.conditions import conditions_for
+from orbident.excitation.floating import usual_initial, was_at_rest
 from orbident.robot.robot_file import load_robot
 
 
@@ -23,3 +25,16 @@ def test_a_joint_without_stops_starts_at_zero():
     joints = tuple(replace(joint, position=None) for joint in robot.joints)
     found = conditions_for(replace(robot, joints=joints), 60.0)
     assert not found.start.any()
+
+
+@pytest.mark.parametrize("name", ["paper-spatial", "cepheus-like"])
+@pytest.mark.parametrize("at_rest", [True, False])
+def test_the_start_is_as_it_is_asked_for(name: str, at_rest: bool):
+    """On a table a robot that tumbles turns about z alone."""
+    robot = load_robot(name)
+    start = np.zeros((len(robot.joints), 3))
+    initial = usual_initial(robot, start, -70.0, at_rest)
+    assert set(initial.wheel_speed.values()) == {-70.0}
+    assert was_at_rest(robot, initial, start) == at_rest
+    in_plane = not np.any(initial.angular_velocity[:2])
+    assert in_plane == (robot.motion == "planar")

@@ -256,7 +256,7 @@ def test_rejected_runs(servicer):
     found = compare(good, bad)
     assert found.status == "rejected"
     assert found.warnings == (
-        "the run after is rejected, so nothing is compared: mass: no scale; "
+        "the run after is refused, so nothing is compared: mass: no scale; "
         "spin a wheel up",
     )
     assert len(compare(bad, bad).warnings) == 2

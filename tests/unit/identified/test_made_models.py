@@ -29,7 +29,7 @@ def test_the_extra_is_named(
 
 @pytest.mark.parametrize("library", ["mujoco", "pinocchio"])
 def test_a_rejected_result_is_none(result: Result, library: str):
-    with pytest.raises(InputError, match="is rejected"):
+    with pytest.raises(InputError, match="is refused"):
         getattr(replace(result, checks=(REFUSED,)), f"to_{library}")()
 
 

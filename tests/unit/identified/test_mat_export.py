@@ -53,7 +53,7 @@ def test_what_is_not_determined_is_nan(tmp_path: Path):
 
 
 def test_a_rejected_result_is_refused(tmp_path: Path):
-    with pytest.raises(InputError, match="is rejected"):
+    with pytest.raises(InputError, match="is refused"):
         write_mat(report_runs.rejected(), tmp_path / "run.mat")
     assert not list(tmp_path.iterdir())
 

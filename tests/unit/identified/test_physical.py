@@ -125,7 +125,7 @@ def test_impossible_parameters_move_within_their_deviations(found):
 def test_refusals(found, monkeypatch):
     rotors = np.zeros_like(found.robot.theta)
     rejected = replace(found, checks=(REFUSED,))
-    with pytest.raises(InputError, match=r"is rejected, .*: mass: no scale; spin"):
+    with pytest.raises(InputError, match=r"is refused, .*: mass: no scale; spin"):
         bodies_of(rejected, rotors)
     unknown = found.base.values.copy()
     unknown[-1] = np.nan

@@ -7,6 +7,7 @@ from clean_recordings import clean_space
 import orbident as oi
 from orbident.preprocessing.histories import Histories, histories
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.screening import screened
 from orbident.preprocessing.smoothing import Settings
 from orbident.robot.sensor_schema import EncoderSpec
 
@@ -86,3 +87,32 @@ def test_a_speed_with_corners_is_used_as_it_was_read():
     assert found.origin is Origin.MEASURED
     np.testing.assert_array_equal(found.rates[0], read)
     assert found.noise[0].white == 0.003
+
+
+@pytest.mark.parametrize("zero", [0.0, 157.3])
+def test_a_speed_that_never_shows_its_noise_is_noted(by_wheels, zero: float):
+    """A tachometer that repeats one number, or counts in steps beyond its noise."""
+    robot, recording = by_wheels.robot, by_wheels.recording
+    first, second, third = (f"wheel.{name}.speed" for name in robot.wheel_names)
+    coarse = 30.0 * np.round(20.0 * np.sin(0.1 * recording.t) + 3.0)
+    columns = {first: np.full(recording.t.size, zero), second: coarse}
+    found = screened(robot, recording.with_columns(columns))
+    stuck, steps = found.notes
+    assert stuck.startswith(
+        f"column '{first}' is {zero:g} rad/s throughout, without the declared noise"
+    )
+    assert steps.startswith(f"column '{second}' goes in steps of 30 rad/s, without")
+    assert found.recording.has(first, second, third)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-3, WHEELS])
+@pytest.mark.parametrize("slope", [0.0, 10.0])
+def test_noise_and_finer_steps_are_not_noted(by_wheels, step: float, slope: float):
+    robot, recording = by_wheels.robot, by_wheels.recording
+    columns = {
+        name: step * np.round(x / step) if step else x
+        for wheel in robot.wheel_names
+        for name in [f"wheel.{wheel}.speed"]
+        for x in [recording.columns[name] + slope * recording.t]
+    }
+    assert not screened(robot, recording.with_columns(columns)).notes

@@ -79,10 +79,25 @@ def test_a_frozen_pose_is_found_also_at_the_end(pose, rows):
 
 @pytest.mark.parametrize("count", [0.1, 0.02, 1e-3, 1e-4])
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
-@pytest.mark.parametrize("sensor", ["position", "joint.elbow.position", "gyro"])
+@pytest.mark.parametrize(
+    "sensor", ["position", "joint.elbow.position", "gyro", "accelerometer"]
+)
 def test_a_coarse_sensor_is_left_as_it_is(sensor, count, noise):
     x = count * np.round((MOTION + noise * NOISE) / count)
     assert found(sensor, x[:, :1] if "joint" in sensor else x) == {}
+
+
+def test_an_accelerometer_freezes_and_rests():
+    """Its noise never rests; without noise it may, and begin to move at once."""
+    x = X.copy()
+    x[300:321] = x[300]
+    assert list(found("accelerometer", x)) == [FROZEN]
+    np.testing.assert_array_equal(
+        found("accelerometer", x)[FROZEN], np.arange(300, 321)
+    )
+    rests = MOTION.copy()
+    rests[:200] = 0.0
+    assert found("accelerometer", rests) == {}
 
 
 def test_a_robot_that_rests_at_first_and_at_last_is_left_as_it_is():

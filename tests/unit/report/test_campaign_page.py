@@ -38,7 +38,7 @@ def made_up(campaign: Campaign, scale: float) -> pa.Table:
 
 
 @pytest.mark.parametrize(
-    ("scale", "headline"), [(1.0, "Trust it<"), (2.0, "Usable, with reservations<")]
+    ("scale", "headline"), [(1.0, "Trusted<"), (2.0, "With care<")]
 )
 def test_the_report(tmp_path: Path, scale: float, headline: str):
     campaign, out = begun(tmp_path, runs=N + 1)

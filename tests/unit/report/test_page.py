@@ -15,7 +15,7 @@ import report_runs
 from orbident.estimation.checks import Check
 from orbident.estimation.result import Result
 from orbident.report.charts import label, numbers
-from orbident.report.page import embedded
+from orbident.report.page import Chart, Section, embedded
 from orbident.report.write import report_page
 
 SECTIONS = (
@@ -69,7 +69,7 @@ def page() -> str:
 def test_sections(page: str):
     seen = _seen(page)
     assert [name for name in seen.ids if name != "verdict"] == list(SECTIONS)
-    assert page.index("Trust it") < page.index('id="parameters"')
+    assert page.index("Trusted") < page.index('id="parameters"')
     for words in (
         *("pi_19", "phi_5", "sigma_1", "M from pi_13", "SHA-256", "mx(link3)"),
         *("Numerische Mathematik", "N m s", "0.360 rad/s"),
@@ -77,12 +77,25 @@ def test_sections(page: str):
         assert words in seen.text, words
 
 
+def test_replay_and_intervals_are_on_top():
+    chart = Chart("replay", "The motion", {"data": [], "layout": {"height": 100}})
+    replay = [Section("replay", "Replay", charts=(chart,))]
+    page = report_page(report_runs.result(), replay=replay)
+    places = ("replay", "base")
+    at = [page.index(f'class="chart" data-figure="{name}"') for name in places]
+    assert page.index('id="verdict"') < at[0] < at[1] < page.index('id="parameters"')
+    # A refused result has no intervals.
+    assert 'class="chart" data-figure="replay"' in report_page(
+        report_runs.rejected(), replay=replay
+    )
+
+
 def test_a_route_that_is_off_has_no_tick():
     """A rule that is passed may still call for care, and the result stands."""
     routes = Check("routes to the mass", "trust", "1110 kg, but 1106 kg", "use this")
     page = report_page(replace(report_runs.result(), checks=(routes,)))
     assert '<li class="doubt">1110 kg, but 1106 kg; use this</li>' in page
-    assert "Trust it" in page
+    assert "Trusted" in page
 
 
 def test_nothing_from_elsewhere(page: str):
@@ -124,7 +137,7 @@ def test_hostile_names_are_text():
 
 def test_rejected_has_a_report_too():
     seen = _seen(report_page(report_runs.rejected()))
-    assert "Do not trust it" in seen.text
+    assert "Refused" in seen.text
     assert "record one of them" in seen.text
     assert "record one of them" in seen.text
     # There is no mass, by any route.

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from orbident.errors import InputError
 from orbident.estimation.budget import SensitivityTable
+from orbident.estimation.quantities import physical_names
 from orbident.estimation.result import Result
 from orbident.estimation.solution import Step
 from orbident.report.fit import autocorrelation, spectrum
@@ -90,7 +91,7 @@ def test_parameters_and_mass(result):
     (axes,) = drawn(result, "parameters").axes
     assert axes.get_xlabel() == "difference from CAD (%)"
     names = [text.get_text() for text in axes.get_yticklabels()]
-    which = [result.base.names.index(name) for name in names]
+    which = [physical_names(result.base).index(name) for name in names]
     drawn_at = np.asarray(axes.lines[1].get_xdata())
     np.testing.assert_allclose(drawn_at, result.base.percent[which], rtol=1e-12)
     (axes,) = drawn(result, "mass").axes
@@ -114,7 +115,9 @@ def test_budget(result):
     # Sources of less than half a per cent everywhere are left out.
     assert ends == pytest.approx(100, abs=1)
     assert axes.get_xlabel() == "share of the variance (%)"
-    assert [text.get_text() for text in axes.get_yticklabels()] == [*result.base.names]
+    assert [text.get_text() for text in axes.get_yticklabels()] == physical_names(
+        result.base
+    )
 
 
 def test_correlations(result):
@@ -147,7 +150,7 @@ def test_convergence(result):
 def test_what_cannot_be_drawn_is_said(result):
     rejected = report_runs.rejected()
     for name in ("parameters", "mass"):
-        with pytest.raises(InputError, match="is rejected"):
+        with pytest.raises(InputError, match="is refused"):
             drawn(rejected, name)
     with pytest.raises(InputError, match="nothing was predicted"):
         drawn(replace(result, signals=tuple), "signals")

@@ -48,7 +48,7 @@ def test_cells():
     table = SensitivityTable(("M", "sigma_1", "iota_1"), errors, units, shifts)
     trace, rows, columns = heat_map(with_table(table))
     assert rows == ["1 mrad: zero of a", "1 %: gyro scale x"]
-    assert columns == ["M", "sigma_1", "iota_1"]
+    assert columns == ["total mass", "mx of base and beyond", "Izz of base and beyond"]
     assert trace["text"] == [["0.0", "", "524"], ["3.2", "", "≫"]]
     raw = trace["z"]
     # The colour has the sign, and grows with the logarithm.

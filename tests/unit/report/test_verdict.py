@@ -9,7 +9,7 @@ def test_refused():
     found = report_runs.rejected()
     said = verdict_of(found)
     assert said.level == "do not trust"
-    assert said.headline == "Do not trust it"
+    assert said.headline == "Refused"
     assert said.mass == ""
     assert said.checks == found.checks
     assert any("record one of them" in check.words for check in said.checks)

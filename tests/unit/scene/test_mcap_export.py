@@ -179,6 +179,6 @@ def test_times_that_ros_cannot_hold_begin_with_zero(result, recording, tmp_path)
 
 
 def test_a_rejected_result_is_not_written(recording, tmp_path):
-    with pytest.raises(InputError, match="is rejected"):
+    with pytest.raises(InputError, match="is refused"):
         write_mcap(report_runs.rejected(), recording, tmp_path / "a.mcap")
     assert not list(tmp_path.iterdir())

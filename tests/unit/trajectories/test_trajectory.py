@@ -181,3 +181,14 @@ BAD_STATES = {
 def test_initial_state_refusals(fields, message):
     with pytest.raises(InputError, match=message):
         InitialState(**fields)
+
+
+def test_ends_of_which_nothing_is_said_are_zero():
+    amplitudes = np.full((2, 3), 0.1)
+    short = Trajectory(10.0, ("one", "two"), amplitudes, amplitudes)
+    ends = np.zeros((2, 3))
+    whole = Trajectory(10.0, ("one", "two"), amplitudes, amplitudes, ends, ends)
+    t = np.linspace(0.0, 10.0, 7)
+    for found, known in zip(short.at(t), whole.at(t), strict=True):
+        np.testing.assert_array_equal(found, known)
+    np.testing.assert_array_equal(short.start, ends)

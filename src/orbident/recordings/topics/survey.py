@@ -4,7 +4,7 @@ import os
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from operator import itemgetter
 from pathlib import Path
@@ -82,6 +82,8 @@ class Surveyed:
     """s, header minus receive, the median: how far the sender's clock is ahead."""
     drift: float | None = None
     """How fast the time between header and receipt grows, s/s."""
+    notes: tuple[str, ...] = ()
+    """What of the whole file is missing."""
 
 
 def survey_file(
@@ -102,9 +104,12 @@ def survey_file(
         looked = _looked_through(opened, progress or (lambda fraction: None))
         topics = [opened.topics[name] for name in names]
         return tuple(
-            _surveyed_table(topic)
-            if isinstance(topic, Group)
-            else _surveyed(topic, looked[topic.name])
+            replace(
+                _surveyed_table(topic)
+                if isinstance(topic, Group)
+                else _surveyed(topic, looked[topic.name]),
+                notes=opened.notes,
+            )
             for topic in topics
         )
 

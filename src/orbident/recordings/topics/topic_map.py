@@ -16,7 +16,12 @@ from pydantic import Field
 
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
-from orbident.files.schema_parts import MappingSchema, read_yaml_mapping, validated
+from orbident.files.schema_parts import (
+    MappingSchema,
+    line_of,
+    read_yaml_mapping,
+    validated,
+)
 from orbident.files.text import read_text
 from orbident.recordings.columns import VECTORS, is_known, vector_columns
 from orbident.recordings.logs.group import Group
@@ -54,28 +59,29 @@ def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, .
             unknown type or key, lacks a unit or a frame; or two feed one column.
     """
     place = place or str(path)
-    document = read_yaml_mapping(read_text(Path(path)), place, SCHEMA)
-    file = validated(_TopicMap, document, place)
-    entries: list[Entry] = []
-    for number, each in enumerate(file.topics):
-        topic = f" ({each['topic']})" if each.get("topic") else ""
-        entries.append(_entry(each, f"{place}: topics[{number}]{topic}"))
+    text = read_text(Path(path))
+    document = read_yaml_mapping(text, place, SCHEMA)
+    file = validated(_TopicMap, document, place, text)
+    entries = [_entry(each, place, text, k) for k, each in enumerate(file.topics)]
     fed: dict[str, str] = {}
-    for entry in entries:
+    for number, entry in enumerate(entries):
         for column in entry.columns:
             if column in fed:
+                line = line_of(text, ("topics", number))
                 raise InputError(
-                    f"{place}: column '{column}' is fed twice, by '{fed[column]}' and "
-                    f"'{entry.topic}'; keep one"
+                    f"{place}{line}: column '{column}' is fed twice, by "
+                    f"'{fed[column]}' and '{entry.topic}'; keep one"
                 )
             fed[column] = entry.topic
     return tuple(entries)
 
 
-def _entry(document: dict[str, Any], place: str) -> Entry:
+def _entry(document: dict[str, Any], place: str, text: str, number: int) -> Entry:
+    within = ("topics", number)
+    at = f"{place}{line_of(text, (*within, 'type'))}: topics[{number}].type"
     if "type" not in document:
         raise InputError(
-            f"{place}: type: this key is missing; add it, 'orbident topics' shows it"
+            f"{at}: this key is missing; add it, 'orbident topics' shows it"
         )
     kind = str(document["type"]).replace("/msg/", "/")
     if kind != "table" and "fields" in document:
@@ -84,10 +90,8 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
         entry = TYPES[kind]
     else:
         known = suggestion(kind, TYPES, "types")
-        raise InputError(
-            f"{place}: type: '{kind}' cannot be mapped without 'fields'; {known}"
-        )
-    return validated(entry, {**document, "type": kind}, place)
+        raise InputError(f"{at}: '{kind}' cannot be mapped without 'fields'; {known}")
+    return validated(entry, {**document, "type": kind}, place, text, within)
 
 
 _UNITS = {name: next(iter(DIMENSIONS[of])) for name, of in DIMENSION_OF.items()}

@@ -36,7 +36,8 @@
     return {
       paper_bgcolor: "transparent", plot_bgcolor: "transparent",
       font: { family: "system-ui, sans-serif", size: 12, color: style.getPropertyValue("--ink") },
-      legend: { orientation: "h", x: 1, xanchor: "right", y: 1, yanchor: "bottom" },
+      // On the left: the button that saves the chart is on the right.
+      legend: { orientation: "h", x: 0, xanchor: "left", y: 1, yanchor: "bottom" },
       modebar: {
         bgcolor: "transparent", color: style.getPropertyValue("--faint"),
         activecolor: style.getPropertyValue("--ink"),

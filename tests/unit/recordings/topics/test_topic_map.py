@@ -162,8 +162,26 @@ def test_the_entry_is_named(tmp_path: Path):
     with pytest.raises(InputError) as raised:
         load_topic_map(path)
     assert str(raised.value) == (
-        f"{path}: topics[1] (/imu): take: this key is missing; add it"
+        f"{path}:4: topics[1].take: this key is missing; add it"
     )
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ("gyro: m/s", ":5: topics[0].take.gyro: found 'm/s'"),
+        ("giro: rad/s", ":5: topics[0].take: unknown key 'giro'"),
+    ],
+)
+def test_the_line_is_named(tmp_path: Path, written: str, words: str):
+    path = tmp_path / "map.yaml"
+    path.write_text(
+        f"{HEAD}  - topic: /imu\n    type: sensor_msgs/Imu\n    take: {{{written}}}\n"
+        "    frame: base\n"
+    )
+    with pytest.raises(InputError) as raised:
+        load_topic_map(path)
+    assert str(raised.value).startswith(f"{path}{words}")
 
 
 def test_columns(tmp_path: Path):
