@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 307,
-    "lines": 63_633,
+    "lines": 63_829,
     "files of estimation": 49,
-    "lines of estimation": 11_731,
+    "lines of estimation": 11_738,
     "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,
