@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 307,
-    "lines": 63_829,
+    "lines": 63_831,
     "files of estimation": 49,
     "lines of estimation": 11_738,
     "files with one user": 67,
