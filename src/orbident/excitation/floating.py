@@ -313,7 +313,7 @@ def usual_initial(
     planar = robot.motion == "planar"
     speed = WHEEL_SPEED if wheel_speed is None else wheel_speed
     speeds = dict.fromkeys(robot.wheel_names, speed)
-    if planar if at_rest is None else at_rest:
+    if at_rest or (at_rest is None and planar):
         return spun_up(robot, speeds, start)
     tumble = np.array([0.0, 0.0, TUMBLE[2]] if planar else TUMBLE)
     return InitialState(tumble, wheel_speed=speeds)

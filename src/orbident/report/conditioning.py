@@ -69,7 +69,8 @@ def correlations(result: Result) -> tuple[list[str], np.ndarray]:
     C = result.base_covariance
     std = np.sqrt(np.diag(C))
     sure = np.isfinite(std) & (std > 0)
-    names = [physical_names(result.base)[k] for k in np.flatnonzero(sure)]
+    what = physical_names(result.base)
+    names = [what[k] for k in np.flatnonzero(sure)]
     return names, (C / np.outer(std, std))[np.ix_(sure, sure)]
 
 

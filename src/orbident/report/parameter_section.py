@@ -220,7 +220,8 @@ def differences(base: EstimatedSet) -> ParameterIntervals:
     kinds = np.array([name.split("_")[0] for name in base.names])
     size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
     shown = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))
-    names = [physical_names(base)[k] for k in np.flatnonzero(shown)]
+    what = physical_names(base)
+    names = [what[k] for k in np.flatnonzero(shown)]
     off = 100 * (base.values[shown] / nominal[shown] - 1)
     half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
     return ParameterIntervals(names, off, half)
