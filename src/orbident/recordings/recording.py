@@ -213,8 +213,13 @@ class Recording:
         return all(name in self.columns for name in names)
 
     def has_vector(self, name: str) -> bool:
-        """Whether all components of a sensor are there."""
-        return self.has(*vector_columns(name))
+        """Whether a sensor is there.
+
+        Raises:
+            InputError: Only some of its components are.
+        """
+        columns = vector_columns(name)
+        return any(map(self.has, columns)) and all(self.column(x).size for x in columns)
 
     def column(self, name: str) -> Float[np.ndarray, " samples"]:
         """One column, without a copy.

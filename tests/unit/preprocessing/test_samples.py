@@ -59,11 +59,14 @@ def test_only_the_rates_that_are_missing_are_derived():
     )
 
 
+NO_VELOCITY = {f"velocity__{k}": None for k in "xyz"}
+
+
 def test_wheel_speed_and_velocity_follow_from_positions():
     taken = samples(
         wheel__rw__speed=None,
         wheel__rw__position=-170 * T,
-        velocity__x=None,
+        **NO_VELOCITY,
         position__x=T**2,
         position__y=T,
         position__z=0 * T,
@@ -75,7 +78,7 @@ def test_wheel_speed_and_velocity_follow_from_positions():
 
 
 def test_without_velocity_nothing_moves_but_momentum_stays():
-    batch = samples(velocity__x=None).batch(0, T.size)
+    batch = samples(**NO_VELOCITY).batch(0, T.size)
     assert batch.turning.all()
     assert not batch.moving.any()
 

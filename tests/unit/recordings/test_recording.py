@@ -309,3 +309,11 @@ def test_times_in_another_unit_are_refused():
 
 def test_two_sensors_may_have_nearly_the_same_times():
     assert Recording(np.sort([*T, *(T + 2e-9)]), {}).t.size == 6
+
+
+def test_a_part_of_a_sensor_is_named():
+    t = np.linspace(0.0, 1.0, 5)
+    some = {"position.x": t, "position.y": t, "pos.z": t}
+    with pytest.raises(InputError, match=r"position\.z' is missing.*rename 'pos\.z'"):
+        Recording(t, some, "r.csv").has_vector("position")
+    assert not Recording(t, some, "r.csv").has_vector("velocity")
