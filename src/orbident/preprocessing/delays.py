@@ -255,7 +255,7 @@ def check_seconds(robot: Robot, recording: Recording) -> None:
         if abs(step * max(declared) / count - 1) < DECLARED:
             raise InputError(
                 f"{recording.source}: column 't': steps of {step:g} s, and sensors "
-                f"have {max(declared):g} Hz; it seems to be in {unit}: give s"
+                f"have {max(declared):g} Hz; the time seems to be in {unit}: give s"
             )
 
 
