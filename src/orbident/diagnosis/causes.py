@@ -45,6 +45,10 @@ from orbident.threads import one_blas_thread
 EXPLAINS = 100.0
 """Fall in chi-square from which on a cause is worth a word though others are left."""
 
+NEARLY = 0.9
+"""Part of what explains a recording: suspects are put right to first order, so that the
+true one may explain a little less than another one that is accepted."""
+
 HARDLY = 0.9
 """Times: a convention that leaves larger residuals than as recorded is none."""
 
@@ -344,22 +348,26 @@ def _size(estimate: Estimate | None) -> float:
 def _best(trials: list[Trial], before: float) -> Trial | None:
     """The best trial; of those that explain alike the one that was likelier.
 
-    Its rival is another one that is accepted: suspects are known to first order, so
-    that the true one may explain a little less. Or it explains more, though not all.
+    Its rival is another one that is accepted and explains nearly as much, or one that
+    explains far more, though not all.
     """
     best = min(trials, key=_rank, default=None)
     if best is None or not best.accepted:
         return best
-    accepted = [one for one in trials if one.accepted]
-    first = next(one for one in accepted if one.misfit < best.misfit + WORTH)
-    others = [one for one in accepted if one is not first] or [
-        one for one in trials if one.misfit < best.misfit
-    ]
-    if not others:
+    alike = [one for one in trials if one.misfit < best.misfit + WORTH]
+    first = next(one for one in alike if one.accepted)
+    least = before - first.misfit
+
+    def rivals(one: Trial) -> bool:
+        falls = before - one.misfit
+        return falls > NEARLY * least if one.accepted else NEARLY * falls > least
+
+    others = [one for one in trials if one is not first and rivals(one)]
+    other = min(others, key=_rank, default=None)
+    if other is None:
         return first
-    other = min(others, key=lambda one: one.misfit)
     # What is accepted explains enough.
-    falls = before - min(other.misfit, first.misfit)
+    falls = max(before - other.misfit, least)
     return first._replace(rival=max(first.rival, Rival(falls, other.cause)))
 
 

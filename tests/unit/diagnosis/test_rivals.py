@@ -62,7 +62,7 @@ def test_what_explains_more_but_not_all_may_be_the_cause_too():
 
 
 def test_one_that_explains_a_little_less_may_be_the_cause_too():
-    other = Trial("a wheel is late", True, 500.0 + 3 * WORTH)
+    other = Trial("a wheel is late", True, 540.0)
     best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
     assert best is not None
     words = _explained(best, BEFORE).words
@@ -70,8 +70,9 @@ def test_one_that_explains_a_little_less_may_be_the_cause_too():
     assert "or perhaps a wheel is late" in words
 
 
-def test_one_that_explains_more_than_all_others_is_alone():
-    other = Trial("a wheel is late", False, 500.0 + 3 * WORTH)
+@pytest.mark.parametrize(("accepted", "misfit"), [(True, 600.0), (False, 480.0)])
+def test_one_that_explains_much_less_or_not_all_is_no_rival(accepted, misfit):
+    other = Trial("a wheel is late", accepted, misfit)
     best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
     assert best is not None
     assert best.rival == NONE
