@@ -363,7 +363,7 @@ def _best(trials: list[Trial], before: float) -> Trial | None:
         return falls > NEARLY * least if one.accepted else NEARLY * falls > least
 
     others = [one for one in trials if one is not first and rivals(one)]
-    other = min(others, key=_rank, default=None)
+    other = min(others, key=lambda one: one.misfit, default=None)
     if other is None:
         return first
     # What is accepted explains enough.
