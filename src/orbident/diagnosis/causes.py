@@ -30,7 +30,7 @@ from orbident.diagnosis.noisier_sensors import (
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.trial import Rival, Trial, amended_trial
+from orbident.diagnosis.trial import Rival, Trial, amended_trial, misfit_before
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check, worst
 from orbident.estimation.clock_search import WORTH, misfit
@@ -93,8 +93,8 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         # That is the cause: without a scale whatever is freed may seem to explain it.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
-    now = misfit(shown) if shown else np.inf
-    jumped = [_sure(one, now) for one in jumps(problem, shown)] if shown else []
+    now = misfit_before(problem, shown) if shown else np.inf
+    jumped = [_sure(one, now) for one in jumps(problem, shown, now)] if shown else []
     if any(one.accepted for one in jumped):
         yield _explained(min(jumped, key=_rank), now)
         return
@@ -109,7 +109,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     if wrong.falls > FALLS and plain:
         yield wrong.check()
     elif shown:
-        yield from _by_trials(solved, shown, conventions, jumped, end)
+        yield from _by_trials(solved, shown, conventions, jumped, now, end)
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
@@ -161,10 +161,11 @@ def _by_trials(
     shown: Estimate,
     conventions: list[CorrectedConvention],
     jumped: list[Trial],
+    now: float,
     end: float,
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
-    now, corrected = misfit(shown), already_corrected(solved.problem)
+    corrected = already_corrected(solved.problem)
     before = corrected.before.misfit if corrected else now
     if corrected and before < now and corrected.before.estimate:
         # Clocks seemed late because of what is looked for.
@@ -173,6 +174,9 @@ def _by_trials(
     trials = [*jumped, *_tried(solved, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
+    if shown.unexpected:
+        acts = joined([AGENTS[x].words for x in shown.unexpected])
+        trials.append(Trial(acts, False, misfit(shown), shown))
     best = _best(trials, before)
     if best is not None and best.accepted:
         if corrected and before - now > MOST * (before - best.misfit):
@@ -272,7 +276,7 @@ def _tried(
     the CPU's time is at its end.
     """
     trials, untried = list[Trial](), list[Scored]()
-    for some in _stages(solved, conventions, untried, end):
+    for some in _stages(solved, conventions, untried, before, end):
         for one in some:
             trials.append(_sure(one, before))
             if sum(each.lost for each in trials) == LOST or process_time() > end:
@@ -286,6 +290,7 @@ def _stages(
     solved: Solved,
     conventions: list[CorrectedConvention],
     untried: list[Scored],
+    before: float,
     end: float,
 ) -> Iterator[Iterable[Trial]]:
     """What is tried, the plainest first; and what has a score and is not tried yet."""
@@ -296,7 +301,7 @@ def _stages(
     late = far_off(problem)
     far = any(late.values())
     yield clocks(problem, late) if far else ()
-    scored = takewhile(lambda _: process_time() < end, every_score(solved))
+    scored = takewhile(lambda _: process_time() < end, every_score(solved, before))
     untried += sorted(scored, key=lambda each: -each.falls)
     yield likeliest(untried)
     # Wrong inertias of known wheels may look like another one.

@@ -18,7 +18,6 @@ from scipy.special import chdtri
 from orbident.diagnosis.shifts import axes_of, shifted, shown_by
 from orbident.diagnosis.suspects import Numbers, Scores, Suspect, tried
 from orbident.diagnosis.trial import Trial
-from orbident.estimation.clock_search import misfit
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
@@ -76,7 +75,7 @@ def jumping(problem: MomentumProblem, sensor: str, rows: Sequence[int]) -> Suspe
     return shifted(sensor, later.astype(float), axes, words)
 
 
-def jumps(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
+def jumps(problem: MomentumProblem, shown: Estimate, before: float) -> Iterator[Trial]:
     """Tried: the sensor, or the time, put right from then on."""
     by_sensor = shown_by(problem.robot, problem.recording)
     every = (
@@ -95,7 +94,7 @@ def jumps(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
         suspect = jumping(problem, sensor, rows[:MOST])
         first = Scores(problem, shown.solution).of(suspect)
         if first.values.size:
-            trials = tried(problem, suspect, first, misfit(shown))
+            trials = tried(problem, suspect, first, before)
             yield from (one._replace(seen=True) for one in trials)
 
 

@@ -15,7 +15,7 @@ from orbident.diagnosis.late_clocks import fast_clocks
 from orbident.diagnosis.shifts import curved_scales, drifts
 from orbident.diagnosis.suspects import Scores, tried
 from orbident.diagnosis.trial import Trial
-from orbident.estimation.clock_search import WORTH, misfit
+from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Solved
 from orbident.estimation.output_error.sensors import joints_with_torques
 
@@ -42,7 +42,7 @@ def likeliest(untried: list[Scored]) -> Iterator[Trial]:
                 yield one._replace(score=first.falls)
 
 
-def every_score(solved: Solved) -> Iterator[Scored]:
+def every_score(solved: Solved, before: float) -> Iterator[Scored]:
     """What each of them would explain to first order, and how it is tried."""
     problem, shown = solved.problem, solved.shown
     if shown is None or shown.solution is None or shown.sensitivity is None:
@@ -69,5 +69,5 @@ def every_score(solved: Solved) -> Iterator[Scored]:
         first = scores.of(suspect)
         gain = first.fall - price * first.values.size
         if first.values.size and np.abs(first.values).max() <= suspect.most:
-            put = partial(tried, problem, suspect, first, misfit(shown))
+            put = partial(tried, problem, suspect, first, before)
             yield Scored(gain, suspect.words(first.values), put)

@@ -92,6 +92,19 @@ def _by(estimator: OutputError, cause: str, problem: MomentumProblem) -> Trial:
     return Trial(cause, accepted, misfit(shown), shown, fits=fits)
 
 
+def misfit_before(problem: MomentumProblem, shown: Estimate) -> float:
+    """The misfit that a trial is compared with: nothing acts more than it may.
+
+    Args:
+        problem: as it was fitted.
+        shown: its fit, in which something may act more.
+    """
+    if not shown.unexpected:
+        return misfit(shown)
+    usual = trial("", problem).estimate
+    return misfit(shown if usual is None else usual)
+
+
 def amended_trial(
     cause: str,
     problem: MomentumProblem,

@@ -46,7 +46,7 @@ def test_a_joint_that_slips_is_put_right():
     problem = problem_with(
         {"joint.joint2.position": lambda q: q + 0.02 * later[: q.size]}
     )
-    (found,) = jumps(problem, fitted(problem))
+    (found,) = jumps(problem, fitted(problem), np.inf)
     assert found.accepted
     assert "joint joint2 slips" in found.cause
     assert "t = 15 s" in found.cause
@@ -57,7 +57,7 @@ def test_a_gyro_that_jumps_by_less_than_it_shows():
     later = np.arange(301) >= 150
     problem = problem_with({"gyro.y": lambda w: w + 5e-4 * later[: w.size]})
     shown = fitted(problem)
-    assert [*jumps(problem, shown)] == []
+    assert [*jumps(problem, shown, np.inf)] == []
     suspect = next(each for each in steps(problem, shown) if "gyro" in each.words(ONES))
     assert shown.solution is not None
     first = Scores(problem, shown.solution).of(suspect)
@@ -71,7 +71,7 @@ def test_markers_that_are_taken_for_others_for_a_while():
     row = np.arange(recording.t.size)
     error = np.outer((row >= 120) & (row < 180), [0.0, 0.0, 0.05])
     problem = with_recording(less(recording, "attitude", -error))
-    (found,) = jumps(problem, fitted(problem))
+    (found,) = jumps(problem, fitted(problem), np.inf)
     assert found.accepted
     assert "the attitude has jumps" in found.cause
     assert "t = 12, 18 s" in found.cause
