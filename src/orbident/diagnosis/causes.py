@@ -1,7 +1,6 @@
 """Why a recording is refused: causes are tried, and what explains it is named."""
 
 from collections.abc import Iterable, Iterator
-from itertools import takewhile
 from time import process_time
 
 import numpy as np
@@ -174,9 +173,6 @@ def _by_trials(
     trials = [*jumped, *_tried(solved, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
-    if shown.unexpected:
-        acts = joined([AGENTS[x].words for x in shown.unexpected])
-        trials.append(Trial(acts, False, misfit(shown), shown))
     best = _best(trials, before)
     if best is not None and best.accepted:
         if corrected and before - now > MOST * (before - best.misfit):
@@ -276,7 +272,7 @@ def _tried(
     the CPU's time is at its end.
     """
     trials, untried = list[Trial](), list[Scored]()
-    for some in _stages(solved, conventions, untried, before, end):
+    for some in _stages(solved, conventions, untried, before):
         for one in some:
             trials.append(_sure(one, before))
             if sum(each.lost for each in trials) == LOST or process_time() > end:
@@ -291,7 +287,6 @@ def _stages(
     conventions: list[CorrectedConvention],
     untried: list[Scored],
     before: float,
-    end: float,
 ) -> Iterator[Iterable[Trial]]:
     """What is tried, the plainest first; and what has a score and is not tried yet."""
     problem = solved.problem
@@ -301,8 +296,7 @@ def _stages(
     late = far_off(problem)
     far = any(late.values())
     yield clocks(problem, late) if far else ()
-    scored = takewhile(lambda _: process_time() < end, every_score(solved, before))
-    untried += sorted(scored, key=lambda each: -each.falls)
+    untried += sorted(every_score(solved, before), key=lambda each: -each.falls)
     yield likeliest(untried)
     # Wrong inertias of known wheels may look like another one.
     yield missing_wheel(problem)
