@@ -32,7 +32,7 @@ from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import Rival, Trial, amended_trial, misfit_before
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check, worst
-from orbident.estimation.clock_search import WORTH, misfit
+from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
