@@ -51,13 +51,15 @@ KNOWN_AT_REST = (
 )
 
 
-def design_doubts(found: Any, unshown: tuple[str, ...]) -> list[str]:
-    """What makes a design doubtful, beside what instruments never show."""
-    made, sentences = found.design, list(unshown)
+def design_doubts(found: Any, unshown: bool) -> list[str]:
+    """What makes a design doubtful.
+
+    That instruments leave something `unshown` was said before: no motion helps there.
+    """
+    made, sentences = found.design, list[str]()
     value, searched = made["value"], made["searched_value"]
     if not excites_all(found):
-        # No motion shows what the instruments do not.
-        sentences = sentences or [NOT_EXCITED if found.joints else NOT_PULSED]
+        sentences += [] if unshown else [NOT_EXCITED if found.joints else NOT_PULSED]
     elif abs(searched - value) > AGREEMENT * value:
         sentences.append(
             f"the search valued this motion at {searched:.4g}, but the motion that it "
