@@ -76,6 +76,14 @@ def test_a_score_that_falls_from_search_to_truth_is_told():
     assert "832" in sentence
 
 
+def test_half_a_turn_is_no_limit_of_a_turn():
+    """As far apart as two attitudes can be, which a base that goes on turning meets."""
+    assert excite_tables._turn(1.25) == "turn 1.25 rad"
+    assert (
+        excite_tables._turn(np.pi) == excite_tables._turn(None) == "turn of any angle"
+    )
+
+
 def test_json_is_the_design(orbident):
     ran = orbident(
         *("excite", "cepheus-like", "--starts", 1, "--duration", 15),
