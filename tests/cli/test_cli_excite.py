@@ -13,6 +13,7 @@ from urdf_pieces import ARM, robot_file
 from valved_satellite import satellite
 
 from orbident.cli import excite_tables
+from orbident.errors import InputError
 from orbident.excitation.floating import was_at_rest
 from orbident.robot.robot_file import load_robot
 from orbident.studies.spatial import paper_case
@@ -69,10 +70,18 @@ def test_a_score_that_falls_from_search_to_truth_is_told():
         motion = Trajectory(1.0, (), none, none, still, still)
         return replace(motion, design={"value": value, "searched_value": searched})
 
-    assert not excite_tables.design_doubts(design(100.0, 99.0), ())
-    (sentence,) = excite_tables.design_doubts(design(832.0, 81.4), ())
+    assert not excite_tables.design_doubts(design(100.0, 99.0), False)
+    (sentence,) = excite_tables.design_doubts(design(832.0, 81.4), False)
     assert "81.4" in sentence
     assert "832" in sentence
+
+
+def test_half_a_turn_is_no_limit_of_a_turn():
+    """As far apart as two attitudes can be, which a base that goes on turning meets."""
+    assert excite_tables._turn(1.25) == "turn 1.25 rad"
+    assert (
+        excite_tables._turn(np.pi) == excite_tables._turn(None) == "turn of any angle"
+    )
 
 
 def test_json_is_the_design(orbident):
@@ -304,18 +313,39 @@ GYRO = (
     "sensors: {gyro: {angle_random_walk: 1e-6}, joints: {position: 1e-5}, "
     "wheels: {position: 1e-5}}\n"
 )
+POSITION = "position: {std: 1e-4}, "
 
 
-@pytest.mark.parametrize(
-    ("lines", "needed"),
-    [("", "needs wheels"), (WHEEL + GYRO, "needs position or accelerometer")],
-)
-def test_what_instruments_do_not_show_is_named(orbident, lines, needed):
+def test_what_instruments_do_not_show_is_named(orbident):
     """And not that more harmonics would help."""
-    path = robot_file(Path(), ARM, LIMITS + lines)
+    path = robot_file(Path(), ARM, LIMITS + WHEEL + GYRO)
     ran = orbident("excite", path, "--duration", 10, "--starts", 1, "-o", "m.yaml")
-    assert needed in ran.err
+    assert "needs position or accelerometer" in ran.err
     assert "harmonics" not in ran.err
+
+
+def test_a_robot_that_shows_no_scale_is_refused_before_the_search(orbident):
+    """Nor is one refused whose joints' torques give its scale."""
+    asked = "--duration", 10, "--starts", 1, "-o", "m.yaml"
+    path = robot_file(Path(), ARM, LIMITS)
+    orbident("excite", path, *asked).refused("scale of pi", "needs wheels")
+    torques = GYRO.replace("wheels: {position: 1e-5}", "torques: {std: 1 mN m}")
+    path = robot_file(Path(), ARM, LIMITS + torques.replace("gyro", POSITION + "gyro"))
+    ran = orbident("excite", path, *asked).done()
+    assert ran.err == ""
+
+
+def test_wheels_without_a_sensor_are_told_before_the_search(orbident, monkeypatch):
+    def searching(*_, **__):
+        raise InputError("the search began")
+
+    monkeypatch.setattr("orbident.excitation.design.design_recordings", searching)
+    blind = GYRO.replace(", wheels: {position: 1e-5}", "")
+    path = robot_file(Path(), ARM, LIMITS + WHEEL + blind)
+    ran = orbident("excite", path, "--duration", 10, "-o", "m.yaml")
+    told, search = ran.err.split("the search began")
+    assert "nothing is said of wheels" in told
+    assert not search.strip()
 
 
 def test_identify_refuses_what_lacks_it(orbident):

@@ -238,4 +238,4 @@ def test_a_recording_is_cut_as_if_its_rows_were(orbident: Orbident, seen: Record
 def test_ends_of_a_cut_are_checked(orbident: Orbident, seen: Recording):
     path = written(seen, "r.csv")
     orbident(*IDENTIFY, path, "--from", "8", "--to", "8").refused("--from 8", "--to 8")
-    orbident(*IDENTIFY, path, "--from", "900").refused("has 0 rows from 900 s to inf s")
+    orbident(*IDENTIFY, path, "--from", "900").refused("has 0 rows from 900 s on;")

@@ -12,6 +12,7 @@ from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
 from orbident.estimation.identify import identify
+from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
@@ -49,13 +50,17 @@ class Flown:
         nothing = Torque(np.zeros(3))
         return Flight(self.seen(1.0), motion, nothing, ramp=self.ramp).flown
 
-    def identified(self, noise: float, seed: int) -> tuple[str, np.ndarray]:
-        """The level, and errors of the base parameters over their deviations."""
+    def result(self, noise: float, seed: int) -> Result:
+        """What is identified of a recording with tachometers of this noise."""
         robot = self.seen(noise)
         momentum = "at-rest" if self.planar else "unknown"
         recording = measure_truth(robot, *self.true, seed)
-        result = identify(robot, recording, initial_momentum=momentum)
-        beta = minimal_sets(robot).beta(robot.theta)
+        return identify(robot, recording, initial_momentum=momentum)
+
+    def identified(self, noise: float, seed: int) -> tuple[str, np.ndarray]:
+        """The level, and errors of the base parameters over their deviations."""
+        result = self.result(noise, seed)
+        beta = minimal_sets(self.robot).beta(self.robot.theta)
         return result.level, (result.base.values - beta) / result.base.std
 
 
@@ -71,6 +76,13 @@ def test_speeds_with_corners():
     level, off = Flown(drawn(3, (0, 1, 2), 3), RAMP).identified(0.3, seed=0)
     assert level == "trust"
     assert np.abs(off).max() < 4
+
+
+def test_noise_that_limits_a_mass_is_named():
+    """Of tachometers three times as bad as those above."""
+    budget = Flown(drawn(3, (0, 1, 2), 3), RAMP).result(1.0, seed=0).budget()
+    assert budget is not None
+    assert "M is limited by noise of the wheel speeds" in budget.in_words()
 
 
 @pytest.mark.long

@@ -161,6 +161,7 @@ def excite(
         check_free(place, force)
     described = oi.load_robot(robot)
     limits = _limits(limit or [])
+    output.warn(_beforehand(described))
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits
     )
@@ -172,7 +173,7 @@ def excite(
     asked = {"objective": objective, "starts": starts, "budget": budget, "seed": seed}
     made = _designed(described, places, given, asked | {"uncertainty": uncertainty})
     last = made[-1]
-    output.warn(design_doubts(last, not_shown(described)))
+    output.warn(design_doubts(last, bool(not_shown(described))))
     if was_interrupted(last):
         output.warn([INTERRUPTED])
     at_rest = was_at_rest(described, given.initial, given.start)
@@ -188,6 +189,20 @@ def excite(
         raise KeyboardInterrupt
     if not excites_all(last):
         raise typer.Exit(1)
+
+
+def _beforehand(robot: Any) -> tuple[str, ...]:
+    """What is odd about the instruments, whatever motion is designed.
+
+    Raises:
+        InputError: `pi` has no scale, so that `identify` refuses every recording.
+    """
+    from orbident.robot.oddities import not_shown, odd_sensors, shows_scale
+
+    unshown = not_shown(robot)
+    if not shows_scale(robot):
+        raise InputError(f"{robot.name}: {unshown[0]}")
+    return (*unshown, *(odd_sensors(robot) if robot.sensors.declared else ()))
 
 
 def _started(

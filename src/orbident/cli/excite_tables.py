@@ -51,13 +51,15 @@ KNOWN_AT_REST = (
 )
 
 
-def design_doubts(found: Any, unshown: tuple[str, ...]) -> list[str]:
-    """What makes a design doubtful, beside what instruments never show."""
-    made, sentences = found.design, list(unshown)
+def design_doubts(found: Any, unshown: bool) -> list[str]:
+    """What makes a design doubtful.
+
+    That instruments leave something `unshown` was said before: no motion helps there.
+    """
+    made, sentences = found.design, list[str]()
     value, searched = made["value"], made["searched_value"]
     if not excites_all(found):
-        # No motion shows what the instruments do not.
-        sentences = sentences or [NOT_EXCITED if found.joints else NOT_PULSED]
+        sentences += [] if unshown else [NOT_EXCITED if found.joints else NOT_PULSED]
     elif abs(searched - value) > AGREEMENT * value:
         sentences.append(
             f"the search valued this motion at {searched:.4g}, but the motion that it "
@@ -123,9 +125,8 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     table = table_of("", ("joint", "position", "limit", "rate", "limit"), rows)
     proven = made["proven"]
     base = (
-        f"base: rate {_number(proven['rate'])} rad/s, turn "
-        f"{_number(proven['excursion'])} rad; wheels {_number(proven['wheel_speed'])} "
-        "rad/s"
+        f"base: rate {_number(proven['rate'])} rad/s, {_turn(proven['excursion'])}; "
+        f"wheels {_number(proven['wheel_speed'])} rad/s"
     )
     if proven.get("table"):
         base += f"; {table_words(proven['table'])}"
@@ -153,8 +154,8 @@ def pulsed(found: Any) -> list[Any]:
     table = table_of("", ("thruster", "pulses", "on (s)", "impulse (N s)"), rows)
     extremes = made["extremes"]
     base = (
-        f"base: rate {_number(extremes['rate'])} rad/s, turn "
-        f"{_number(extremes['excursion'])} rad; S {table_words(extremes['table'])}; "
+        f"base: rate {_number(extremes['rate'])} rad/s, "
+        f"{_turn(extremes['excursion'])}; S {table_words(extremes['table'])}; "
         f"impulse {_number(extremes['impulse'])} N s"
     )
     return [
@@ -262,6 +263,12 @@ def sides_of(table: Any) -> str:
     """Width and depth, m."""
     width, depth, _ = table
     return f"{_number(width)} x {_number(depth)}"
+
+
+def _turn(angle: float | None) -> str:
+    """No two attitudes are more than half a turn apart: that is no limit."""
+    known = angle is not None and angle < math.pi
+    return f"turn {angle:.4g} rad" if known else "turn of any angle"
 
 
 def _number(value: float | None) -> str:

@@ -174,7 +174,7 @@ class WheelLoss(Agent):
 class WheelNoise(Agent):
     """Tachometers' noise: wheels have other momentum than their speeds say."""
 
-    group = "wheel_noise"
+    group = "wheel speeds"
     unit = "rad/s/sqrt(Hz)"
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:

@@ -202,7 +202,10 @@ def _far(problem: MomentumProblem) -> Delay:
         return nowhere
     # What any clock explains, such as a push, no clock does.
     elsewhere = tried[(abs(np.arange(grid.size) - k) > 1) | (grid == 0)].min()
-    late = float(np.array(fminbound(left, *grid[[k - 1, k + 1]], xtol=LEAST / 10)))
+    # The last step of the grid is several times as long as that before it.
+    step = min(grid[k] - grid[k - 1], grid[k + 1] - grid[k])
+    ends = grid[k] - step, grid[k] + step
+    late = float(np.array(fminbound(left, *ends, xtol=LEAST / 10)))
     apart = abs(late) > LONGEST
     most = EXPLAINED if apart else HELPS
     helps = left(late) ** 2 < most * elsewhere**2

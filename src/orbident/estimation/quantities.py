@@ -327,7 +327,7 @@ def short_table(found: EstimatedSet) -> list[str]:
 def physical_names(base: EstimatedSet | Formulas) -> list[str]:
     """What each base parameter is, in `WIDEST` letters; its symbol if need be."""
     pairs = zip(base.names, base.formulas, strict=True)
-    return [of_width(physical_name(*pair), WIDEST) for pair in pairs]
+    return of_width([physical_name(*pair) for pair in pairs], WIDEST)
 
 
 def _short_line(found: EstimatedSet, k: int, what: str) -> str:

@@ -1,7 +1,8 @@
 """The minimal sets in readable form: combinations of standard parameters."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -117,19 +118,38 @@ def physical_name(name: str, formula: str) -> str:
     return f"{' '.join(parts).removeprefix('+').strip()} of {body}{beyond}"
 
 
-def of_width(text: str, width: int) -> str:
-    """A text whose body's name is cut in its middle if it is too long."""
-    if len(text) <= width:
-        return text
-    text = text.replace(" and beyond", " ...")
-    over = len(text) - width
-    if over <= 0:
-        return text
-    head, of, tail = text.partition(" of ")
-    body = tail.removesuffix(" ...")
-    kept = max(len(body) - over - 2, 2)
-    cut = f"{body[: kept // 2 + kept % 2]}..{body[len(body) - kept // 2 :]}"
-    return f"{head}{of}{cut}{tail[len(body) :]}"
+def of_width(texts: Sequence[str], width: int) -> list[str]:
+    """Texts whose bodies' names are cut where they are too long, and remain different.
+
+    Such names lose the words that all of them begin or end with, unless only numbers
+    are left, and then as many letters of every word as need be.
+    """
+    texts = [x if len(x) <= width else x.replace(" and beyond", " ...") for x in texts]
+    bodies = {_body(text): _body(text) for text in texts if len(text) > width}
+    words = [re.split(r"([\W_]+)", body) for body in bodies]
+    first, last = _alike(words), _alike([each[::-1] for each in words])
+    for body, each in zip(bodies, words, strict=True):
+        own = "".join(each[first : len(each) - last])
+        bodies[body] = own if re.search(r"[^\W\d_]", own) else body
+    return [_cut(text, bodies, width) for text in texts]
+
+
+def _alike(rows: Sequence[Sequence[str]]) -> int:
+    """How many of their first words are the same in all."""
+    same = (len({*words}) == 1 for words in zip(*rows, strict=False))
+    return sum(takewhile(bool, same))
+
+
+def _body(text: str) -> str:
+    return text.partition(" of ")[2].removesuffix(" ...")
+
+
+def _cut(text: str, names: Mapping[str, str], width: int) -> str:
+    letters, (head, body, beyond) = width, text.rpartition(_body(text) or text)
+    while len(text) > width and letters:
+        name = re.sub(rf"([^\W\d_]{{{letters}}})[^\W\d_]+", r"\1", names[body])
+        text, letters = f"{head}{name}{beyond}", letters - 1
+    return text[:width]
 
 
 def mass_forms(

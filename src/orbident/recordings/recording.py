@@ -370,7 +370,9 @@ def check_cut(
         InputError: Fewer than two rows are left.
     """
     if rows < 2:
+        begin = f" from {start:g} s" if start > -math.inf else ""
+        until = f" to {end:g} s" if end < math.inf else " on"
         raise InputError(
-            f"{source}: has {rows} rows from {start:g} s to {end:g} s; its times "
+            f"{source}: has {counted(rows, 'row')}{begin}{until}; its times "
             f"are {first:g} s to {last:g} s: choose other ends"
         )

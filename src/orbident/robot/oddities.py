@@ -293,6 +293,12 @@ def _without_limits(robot: Robot) -> Iterator[str]:
             )
 
 
+def shows_scale(robot: Robot) -> bool:
+    """Whether any momentum or torque of a known size gives `pi` its scale (Eq. 24)."""
+    torques = robot.sensors.torques or robot.torque_constants
+    return bool(robot.wheels or robot.thrusters or robot.torquers or torques)
+
+
 def not_shown(robot: Robot) -> tuple[str, ...]:
     """What of `pi`, `phi` and the mass its instruments do not show: at most a sentence.
 
@@ -301,8 +307,7 @@ def not_shown(robot: Robot) -> tuple[str, ...]:
     at all, nobody knows which there are.
     """
     known, shown, unseen, needed = robot.sensors.declared, ["pi"], [], []
-    torques = robot.sensors.torques or robot.torque_constants
-    if not (robot.wheels or robot.thrusters or robot.torquers or torques):
+    if not shows_scale(robot):
         shown, unseen = ["ratios of pi"], ["the scale of pi"]
         needed.append(
             "wheels (joints that are wheels), thrusters, or torque sensors at joints"

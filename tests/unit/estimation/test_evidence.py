@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_motions import random_motion
+from random_robots import random_planar_robot
 from small_problems import noisy, small_recording, small_robot
 
 from orbident.estimation import clock_search as module
@@ -16,6 +18,8 @@ from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.widening import difference, widened
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Wheel
+from orbident.simulation.simulate import simulate
 
 ROBOT = small_robot()
 
@@ -180,3 +184,29 @@ def test_other_methods_are_judged_by_the_beginning(problem, monkeypatch):
         assert found.shown is not None
         sizes = {len(signal.measured) for signal in found.shown.signals}
         assert sizes == {rows}
+
+
+@pytest.mark.parametrize("late", [3.0, -3.0])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_clocks_that_are_seconds_apart_are_seen(seed: int, late: float):
+    """Without a gyro, of random robots on a table that spin up from rest."""
+    wheel = Wheel("rw", np.array([0.0, 0.0, 1.0]), 0.05)
+    robot = random_planar_robot(seed, (0, 1), wheels=[wheel])
+    motion = random_motion(robot, seed, duration=60.0, start="spun up")
+    slower = 0.3 ** np.arange(motion.a.shape[1])
+    motion = replace(motion, a=slower * motion.a, b=slower * motion.b)
+    true = simulate(robot, motion, rate=20.0)
+    n = round(20 * abs(late))
+    ahead, behind = slice(n, None), slice(None, -n)
+    of_joints, of_base = (behind, ahead) if late > 0 else (ahead, behind)
+    columns = {
+        name: column[of_joints if name.startswith(("joint", "wheel")) else of_base]
+        for name, column in true.columns.items()
+        if not name.startswith("gyro")
+    }
+    recording = replace(true, t=true.t[behind], columns=columns)
+    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
+    found = module._far(problem)
+    assert found.apart
+    # It is named to two digits.
+    assert found.late == pytest.approx(late, abs=0.05)

@@ -9,6 +9,7 @@ from orbident.model.formulas import (
     formulas_of,
     mass_forms,
     nominal_parameters,
+    of_width,
 )
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
@@ -83,6 +84,29 @@ def test_formulas_are_as_many_as_the_parameters():
     assert len(found.pi.names) == len(sets.pi(robot.theta))
     assert found.pi.names[0] == "pi_1"
     assert found.phi.names[-1] == f"phi_{len(sets.phi(robot.theta))}"
+
+
+def test_names_that_are_cut_remain_different():
+    """Cut in their middles, all three would be `honey/to..tal_link`."""
+    arms = ("arm", "gripper_left", "gripper_right")
+    texts = [f"Ixz of honey/top_aft_{arm}_distal_link and beyond" for arm in arms]
+    assert of_width(["total mass", *texts, "mx of honey/body"], 25) == [
+        *("total mass", "Ixz of arm ...", "Ixz of gripper_left ..."),
+        *("Ixz of gripper_right ...", "mx of honey/body"),
+    ]
+    other = "Ixz of honey/top_aft_gripper_left_proximal_link and beyond"
+    left, right = of_width([*texts[1:], other], 25)[:2]
+    assert (left, right) == ("Ixz of left_distal ...", "Ixz of right_distal ...")
+
+
+def test_numbers_alone_are_no_names():
+    """All letters of numbered links are the same; one that is cut alone keeps some."""
+    texts = [f"Ixx - Iyy of servicer_arm_link_{k} and beyond" for k in (1, 2)]
+    words = ["Ixx - Iyy of s_a_l_1 ...", "Ixx - Iyy of s_a_l_2 ..."]
+    assert of_width(texts, 25) == words
+    assert of_width(texts[:1], 25) == words[:1]
+    assert of_width([f"Ixx of {10**40}"], 25) == [f"Ixx of 1{17 * '0'}"]
+    assert of_width(["Ixx of base and beyond"], 22) == ["Ixx of base and beyond"]
 
 
 def test_rounding_is_zero(tmp_path: Path):

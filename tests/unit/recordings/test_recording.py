@@ -67,8 +67,10 @@ def test_between_has_both_ends():
     assert cut.columns["gyro.x"].tolist() == [2.0, 3.0]
     assert cut.source == "flight.csv"
     assert recording().between(end=0.1).t.tolist() == [0.0, 0.1]
-    with pytest.raises(InputError, match=r"has 1 rows from 0.15 s to inf s; its times"):
+    with pytest.raises(InputError, match=r"has 1 row from 0.15 s on; its times"):
         recording().between(0.15)
+    with pytest.raises(InputError, match=r"has 1 row to 0.05 s; its times"):
+        recording().between(end=0.05)
 
 
 def test_has_asks_for_all():
