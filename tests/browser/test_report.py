@@ -10,7 +10,7 @@ import pytest
 import report_runs
 from chromium import chromium, emulate
 from contrasts import faint_texts
-from selenium.webdriver import ActionChains, Chrome, Keys
+from selenium.webdriver import Chrome, Keys
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.wait import WebDriverWait
 
@@ -156,13 +156,17 @@ return document.querySelectorAll('[data-figure="momentum-signal"] .trace').lengt
 
 def test_a_row_of_the_intervals_says_its_numbers(page: Chrome):
     """Wherever the mouse is in it."""
-    chart = page.find_element(By.CSS_SELECTOR, "[data-figure='base'] .nsewdrag")
-    at = ActionChains(page).move_to_element(chart)
-    width, height = chart.size["width"], chart.size["height"]
-    at.move_to_element_with_offset(chart, 5 - width // 2, 12 - height // 2).perform()
-    said = (By.CSS_SELECTOR, "[data-figure='base'] .hoverlayer")
-    WebDriverWait(page, PATIENCE).until(lambda b: "CAD" in b.find_element(*said).text)
-    assert re.match(r"total mass.*\d ± .* kg.*CAD: 1110", page.find_element(*said).text)
+    words = re.compile(r"total mass.*\d ± .* kg.*CAD: 1110", re.S)
+    WebDriverWait(page, PATIENCE).until(lambda b: words.match(b.execute_script(HOVER)))
+
+
+HOVER = """
+const chart = document.querySelector("[data-figure='base']");
+const area = chart.querySelector(".nsewdrag"), at = area.getBoundingClientRect();
+area.dispatchEvent(new MouseEvent("mousemove",
+  { bubbles: true, clientX: at.left + 5, clientY: at.top + 12 }));
+return chart.querySelector(".hoverlayer").textContent;
+"""
 
 
 COLORS = """
