@@ -91,6 +91,7 @@ _PUBLIC = {
 }
 
 provide("causes", "orbident.diagnosis.causes:causes")
+provide("html", "orbident.report.parameter_section:first_table")
 provide("nearest_dynamics", "orbident.identified.physical:nearest_dynamics")
 provide("plain_mistake", "orbident.diagnosis.linear_test:plain_mistake")
 provide("plot", "orbident.report.drawing:Plots")

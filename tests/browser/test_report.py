@@ -10,7 +10,7 @@ import pytest
 import report_runs
 from chromium import chromium, emulate
 from contrasts import faint_texts
-from selenium.webdriver import Chrome
+from selenium.webdriver import Chrome, Keys
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.wait import WebDriverWait
 
@@ -127,6 +127,46 @@ def test_hostile_names_are_text(page: Chrome):
     assert (
         page.execute_script("return document.querySelectorAll('.chart a').length") == 0
     )
+
+
+PANELS = """
+const panels = (chart) => [...document.querySelectorAll(
+  `[data-figure="${chart}"] .annotation-text`)].map((text) => text.textContent);
+return ["momentum-signal", "momentum-lags", "velocity-lags"].map(panels)
+"""
+
+
+def test_one_axis_is_shown_alone(page: Chrome):
+    """In all charts of its signal, and in no other; the keyboard does it too."""
+    choice = page.find_element(By.CSS_SELECTOR, "[aria-label^='Axes of momentum']")
+    whole = page.execute_script(PANELS)
+    assert [len(panels) for panels in whole] == [3, 3, 3]
+    choice.send_keys(Keys.DOWN, Keys.DOWN)
+    alone = [[whole[0][1]], [whole[1][1]], whole[2]]
+    WebDriverWait(page, PATIENCE).until(lambda b: b.execute_script(PANELS) == alone)
+    assert page.execute_script(CURVES) == 2
+    choice.send_keys(Keys.HOME)
+    WebDriverWait(page, PATIENCE).until(lambda b: b.execute_script(PANELS) == whole)
+
+
+CURVES = """
+return document.querySelectorAll('[data-figure="momentum-signal"] .trace').length
+"""
+
+
+def test_a_row_of_the_intervals_says_its_numbers(page: Chrome):
+    """Wherever the mouse is in it."""
+    words = re.compile(r"total mass.*\d ± .* kg.*CAD: 1110", re.S)
+    WebDriverWait(page, PATIENCE).until(lambda b: words.match(b.execute_script(HOVER)))
+
+
+HOVER = """
+const chart = document.querySelector("[data-figure='base']");
+const area = chart.querySelector(".nsewdrag"), at = area.getBoundingClientRect();
+area.dispatchEvent(new MouseEvent("mousemove",
+  { bubbles: true, clientX: at.left + 5, clientY: at.top + 12 }));
+return chart.querySelector(".hoverlayer").textContent;
+"""
 
 
 COLORS = """

@@ -261,6 +261,10 @@ class Result(BesideParameters, Identified):
             more = "more: result.checks, .diagnostics"
         return "\n".join([*self.summary(), more])
 
+    def _repr_html_(self) -> str | None:
+        """The report's first table, for notebooks; of a refused result its text."""
+        return provided("html")(self)
+
     def to_frame(self) -> Any:
         """The base parameters beside CAD as a `pandas.DataFrame`.
 

@@ -163,21 +163,28 @@ def interval_list(
     zero: float,
     least: float,
     x_title: str,
+    words: Sequence[str],
 ) -> Figure:
     """Intervals, one below the other, with a line at what is expected.
 
     Around the estimates `x` are `half` of their intervals; `zero` is what is expected.
-    The axis reaches `least` from it at least: rounding is not to fill a chart.
+    The axis reaches `least` from it at least: rounding is not to fill a chart. A row
+    says its words under a mouse.
     """
-    upright = line(np.full(2, zero), np.array([-0.5, len(names) - 0.5]), LIMIT)
+    ends = np.array([-0.5, len(names) - 0.5])
+    upright = line(np.full(2, zero), ends, LIMIT, hoverinfo="skip")
     reach = float(np.max(np.abs(x - zero) + half, initial=0.0))
     ends = {"range": [zero - least, zero + least]} if reach < least else {}
     style = {
         "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
         "marker": {"color": PREDICTED, "size": 7},
+        "hovertext": ["<br>".join(map(label, text.split("\n"))) for text in words],
+        "hoverinfo": "text",
     }
     intervals = _scatter("markers", x, list(range(len(x))), style, {})
     layout = _list_of(names, x_title, **ends)
+    # A row answers wherever the mouse is in it.
+    layout["hovermode"] = "y"
     return {"data": [upright, intervals], "layout": layout}
 
 

@@ -87,12 +87,15 @@ def _unit_of(name: str) -> str:
 def charts_of(signal: Signal) -> Iterator[Chart]:
     """Measured and predicted (not of an attitude), residuals, spectrum, whiteness."""
     name = signal.name
+    axes = signal.axes
     whole = signal.sensor != "attitude"
     if whole:
         title = f"{name}: measured, predicted"
-        yield Chart(f"{name}-signal", title, _signal(signal), first=True)
+        yield Chart(f"{name}-signal", title, _signal(signal), first=True, panels=axes)
+        axes = ()
     title = f"{name}: residuals"
-    yield Chart(f"{name}-residual", title, _residual(signal), first=not whole)
+    residual = _residual(signal)
+    yield Chart(f"{name}-residual", title, residual, first=not whole, panels=axes)
     yield Chart(f"{name}-spectrum", f"{name}: spectrum of residuals", _spectrum(signal))
     yield Chart(f"{name}-lags", f"{name}: whiteness of residuals", _lags(signal))
 

@@ -101,6 +101,9 @@ class Chart(NamedTuple):
     """Whether it begins a line of the page."""
     wide: bool = False
     """Whether it takes a whole line; on a narrow screen it is scrolled."""
+    panels: tuple[str, ...] = ()
+    """Names of its panels where one can be shown alone, here and in the charts after it
+    up to the next `first` one."""
 
 
 class Picture(NamedTuple):
@@ -166,6 +169,22 @@ def page(
     title: str, subtitle: str, verdict: Verdict, sections: Sequence[Section]
 ) -> str:
     """The page."""
+    figures = {
+        chart.name: chart.figure for section in sections for chart in section.charts
+    }
+    return filled(
+        "page.html",
+        title=title,
+        subtitle=subtitle,
+        verdict=verdict,
+        sections=sections,
+        figures=embedded(figures),
+        plotly=plotly() if figures else "",
+    )
+
+
+def filled(template: str, **values: Any) -> str:
+    """A template of this package with these values."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -176,17 +195,7 @@ def page(
         lstrip_blocks=True,
     )
     environment.filters["typeset"] = typeset
-    figures = {
-        chart.name: chart.figure for section in sections for chart in section.charts
-    }
-    return environment.get_template("page.html").render(
-        title=title,
-        subtitle=subtitle,
-        verdict=verdict,
-        sections=sections,
-        figures=embedded(figures),
-        plotly=plotly() if figures else "",
-    )
+    return environment.get_template(template).render(values)
 
 
 def embedded(data: object) -> str:

@@ -1,12 +1,13 @@
 """The parameters with their intervals, beside what CAD says of them."""
 
+import html
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.data_table import DataTable, Interval, Numeric, TableRow, table_of
+from orbident.data_table import Cell, DataTable, Interval, Numeric, TableRow, table_of
 from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.quantities import (
     BaseSet,
@@ -21,7 +22,7 @@ from orbident.gaussian import NINETY_FIVE
 from orbident.model.core_robot import IN_FORMULAS, geared_joints
 from orbident.model.formulas import physical_name
 from orbident.report.charts import heat_map, interval_list, shares_across
-from orbident.report.page import Chart, Section
+from orbident.report.page import Chart, Section, filled, typeset
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",
@@ -88,6 +89,18 @@ def parameters(result: Result, known_as: str) -> Section | None:
     )
 
 
+def first_table(result: Result) -> str | None:
+    """Verdict, mass and the first table as HTML, for a notebook.
+
+    None of a refused result, whose text says why.
+    """
+    section = parameters(result, "CAD")
+    if section is None:
+        return None
+    words = "<br>".join(html.escape(line) for line in result.summary()[:2])
+    return f"<p>{words}</p>\n{filled('table.html', table=section.tables[0])}"
+
+
 def spring_table(result: Result) -> DataTable:
     """How passive joints swing where the body that carries them is held."""
     rows = (
@@ -134,8 +147,11 @@ def masses(result: Result, known_as: str) -> Section | None:
     M = float(result.base.nominal[0])
     names = [routes.names[k] for k in shown]
     half = NINETY_FIVE * routes.std[shown]
-    figure = interval_list(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
     rows = tuple(mass_rows(routes, shown))
+    hovers = [_hover(known_as, *row.cells[:3], "kg", Numeric(M)) for row in rows]
+    figure = interval_list(
+        *(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)", hovers)
+    )
     words = [ROUTES]
     if len(shown) < len(routes.names):
         words.append(f"The surest of {len(routes.names)}.")
@@ -197,34 +213,35 @@ def _in_words(found: EstimatedSet, k: int) -> str:
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
-    names, off, half = differences(base)
-    if not names:
+    nominal = base.nominal
+    kinds = np.array([name.split("_")[0] for name in base.names])
+    size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
+    # Elsewhere percent say little.
+    said = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))
+    if not said.any():
         return ()
+    shown = np.flatnonzero(said).tolist()
+    what, hovers = physical_names(base), list[str]()
+    for k, row in zip(shown, parameter_rows(base, shown), strict=True):
+        _, value, std, unit, _, cad, *_ = row.cells
+        name = physical_name(base.names[k], base.formulas[k])
+        hovers.append(_hover(known_as, name, value, std, unit, cad))
     figure = interval_list(
-        names, off, half, 0.0, 100 * ROUNDING, f"difference from {known_as} (%)"
+        [what[k] for k in shown],
+        100 * (base.values[shown] / nominal[shown] - 1),
+        100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown]),
+        0.0,
+        100 * ROUNDING,
+        f"difference from {known_as} (%)",
+        hovers,
     )
     return (Chart("base", f"Base parameters beside {known_as}", figure),)
 
 
-class ParameterIntervals(NamedTuple):
-    """95 % intervals by name."""
-
-    names: list[str]
-    x: Float[np.ndarray, " n"]
-    half: Float[np.ndarray, " n"]
-
-
-def differences(base: EstimatedSet) -> ParameterIntervals:
-    """Base parameters less what CAD has, in percent of it, where percent say much."""
-    nominal = base.nominal
-    kinds = np.array([name.split("_")[0] for name in base.names])
-    size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
-    shown = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))
-    what = physical_names(base)
-    names = [what[k] for k in np.flatnonzero(shown)]
-    off = 100 * (base.values[shown] / nominal[shown] - 1)
-    half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
-    return ParameterIntervals(names, off, half)
+def _hover(known_as: str, *cells: Cell) -> str:
+    """Name, estimate, deviation, unit and nominal value with the table's digits."""
+    name, value, std, unit, nominal = map(typeset, cells)
+    return f"{name}\n{value} ± {std} {unit}\n{known_as}: {nominal} {unit}"
 
 
 def surest_routes(routes: MassRoutes) -> list[int]:

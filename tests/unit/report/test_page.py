@@ -104,6 +104,47 @@ def test_nothing_from_elsewhere(page: str):
     assert re.findall(r"<link [^>]*>", own) == ['<link rel="icon" href="data:,">']
 
 
+def test_a_notebook_shows_the_first_table(page: str):
+    """The one of the page, below verdict and mass; a refused result has its text."""
+    shown = report_runs.result()._repr_html_()
+    assert shown is not None
+    words, table = shown.split("\n", 1)
+    assert words.startswith("<p>paper-spatial: trusted, ")
+    assert " kg by least-squares (95 %: " in words
+    assert table in page
+    hostile = report_runs.hostile()._repr_html_()
+    assert hostile is not None
+    assert not {"script", "img", "b"} & set(_seen(hostile).tags)
+    assert report_runs.rejected()._repr_html_() is None
+
+
+def test_a_row_of_the_intervals_says_its_numbers(page: str):
+    """With the digits of the table, whose names are longer than the chart's."""
+    figures = _figures(page)
+    for name, rows in {"base": "total mass<br>1", "masses": "M from pi_1"}.items():
+        _, intervals = figures[name]["data"]
+        assert len(intervals["hovertext"]) == len(intervals["y"])
+        assert intervals["hovertext"][0].startswith(rows)
+    mass = figures["base"]["data"][1]["hovertext"][0].split("<br>")
+    assert re.fullmatch(r"[\d.]+ ± [\d.]+ kg", mass[1])
+    assert mass[2] == "CAD: 1110.00 kg"
+    text = json.dumps(_figures(report_page(report_runs.hostile()))["base"])
+    assert not re.search("<(?!br>)", text)
+
+
+def test_any_axis_of_a_signal_can_be_shown_alone(page: str):
+    """By a choice beside the title of its first chart."""
+    found = re.findall(r'<select [^>]*aria-label="([^"]*)">(.*?)</select>', page, re.S)
+    names = ["momentum", "velocity"]
+    assert [title for title, _ in found] == [
+        f"Axes of {name}: measured, predicted" for name in names
+    ]
+    for name, (_, options) in zip(names, found, strict=True):
+        panels = _figures(page)[f"{name}-lags"]["layout"]["annotations"]
+        axes = ["all", *(panel["text"] for panel in panels)]
+        assert re.findall("<option.*?>(.*?)</option>", options) == axes
+
+
 def test_size(page: str):
     # Most of it is plotly.js; the issue's aim is 8 MB.
     assert len(page.encode()) < 3e6

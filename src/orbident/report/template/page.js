@@ -42,6 +42,10 @@
         bgcolor: "transparent", color: style.getPropertyValue("--faint"),
         activecolor: style.getPropertyValue("--ink"),
       },
+      hoverlabel: {
+        bgcolor: style.getPropertyValue("--card"), bordercolor: style.getPropertyValue("--rule"),
+        font: { color: style.getPropertyValue("--ink") },
+      },
       dragmode: touch ? false : "zoom",
       ...own,
       ...Object.fromEntries(axes.map((key) => [key, { ...axis, ...own[key] }])),
@@ -50,9 +54,31 @@
     };
   }
 
+  // One panel of a figure.
+  function alone({ data, layout }, k) {
+    const axis = `y${k ? k + 1 : ""}`;
+    const traces = data.filter((trace) => trace.yaxis === axis);
+    return {
+      data: traces.map((trace, i) => ({
+        // The first panel's curves have the names of all.
+        ...trace, yaxis: "y", name: data[i].name, showlegend: data[i].showlegend,
+      })),
+      layout: {
+        ...Object.fromEntries(Object.entries(layout).filter(([key]) => !key.startsWith("yaxis"))),
+        height: 320,
+        xaxis: { ...layout.xaxis, anchor: "y" },
+        yaxis: { ...layout[`yaxis${axis.slice(1)}`], domain: [0, 0.88] },
+        annotations: [{ ...layout.annotations[k], y: 0.88 }],
+        shapes: layout.shapes.filter((shape) => shape.yref === axis)
+          .map((shape) => ({ ...shape, yref: "y" })),
+      },
+    };
+  }
+
   function draw(chart, width) {
     const style = getComputedStyle(root);
-    const figure = coloured(figures[chart.dataset.figure], style);
+    const whole = figures[chart.dataset.figure], panel = chart.dataset.panel;
+    const figure = coloured(panel ? alone(whole, Number(panel)) : whole, style);
     return Plotly.react(chart, {
       data: figure.data, frames: figure.frames,
       layout: layout(figure.layout, style, width),
@@ -74,6 +100,17 @@
     await draw(chart);
     chart.dataset.drawn = "yes";
     await soon();
+  }
+  for (const choice of document.querySelectorAll("select")) {
+    choice.addEventListener("change", () => {
+      let figure = choice.closest("figure");
+      do {
+        const chart = figure.querySelector(".chart");
+        chart.dataset.panel = choice.value;
+        draw(chart);
+        figure = figure.nextElementSibling;
+      } while (figure && !figure.matches(".first"));
+    });
   }
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
   addEventListener("beforeprint", () => {
