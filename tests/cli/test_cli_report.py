@@ -39,7 +39,7 @@ def test_identify_writes_one(orbident: Orbident, run: Path):
     orbident("report", run).refused("run/report.html: exists already", "--force")
     assert (run / "report.html").read_text() == page
     (run / "report.html").unlink()
-    said = "the report of run says: trust it\nwritten: run/report.html\n"
+    said = "the report of run says: trusted\nwritten: run/report.html\n"
     assert orbident("report", run).done().out == said
     assert (run / "report.html").read_text() == page
     assert orbident("report", run, "--force", "--quiet").done().out == ""

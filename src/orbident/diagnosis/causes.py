@@ -359,7 +359,8 @@ def _best(trials: list[Trial], before: float) -> Trial | None:
 
     def rivals(one: Trial) -> bool:
         falls = before - one.misfit
-        return falls > NEARLY * least if one.accepted else NEARLY * falls > least
+        nearly = falls > NEARLY * least
+        return bool(nearly if one.accepted else NEARLY * falls > least)
 
     others = [one for one in trials if one is not first and rivals(one)]
     other = min(others, key=lambda one: one.misfit, default=None)
