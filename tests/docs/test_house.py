@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 308,
-    "lines": 64_147,
+    "lines": 64_148,
     "files of estimation": 49,
     "lines of estimation": 11_770,
     "files with one user": 67,
