@@ -79,7 +79,7 @@ def test_speeds_with_corners():
 
 
 def test_noise_that_limits_a_mass_is_named():
-    """Of tachometers three times as bad as those above."""
+    """The tachometers here are three times as noisy as the worst ones above."""
     budget = Flown(drawn(3, (0, 1, 2), 3), RAMP).result(1.0, seed=0).budget()
     assert budget is not None
     assert "M is limited by noise of the wheel speeds" in budget.in_words()

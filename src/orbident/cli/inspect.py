@@ -130,8 +130,8 @@ def _robot(robot: Any, document: dict[str, Any]) -> list[str]:
 
 
 MOST = 24
-"""Parameters that are shown, unless all are asked for: with what else is said of a
-robot of six joints they fill two screens."""
+"""So many parameters are shown unless the user asks for all: with the rest of what is
+said of a robot with six joints they fill two screens."""
 
 
 def _in_brief(document: dict[str, Any], what: list[str]) -> list[str]:

@@ -1,7 +1,7 @@
 """Suspects that what encoders of joints show has an error with a course.
 
 One that is not in the middle of its axis is off by `a sin(q) + b cos(q)`, and one
-behind a gear by the same of `k q`, with `k` periods in a radian. On the motor of a
+behind a gear by the same of `2 pi k q`, with `k` periods in a radian. On the motor of a
 joint that gives way it shows `q_m = q + c qdd`, and on that of one whose gear has play
 `q_m = q + c sign(qd)`.
 """

@@ -53,7 +53,7 @@ class RigidMotion(NamedTuple):
     t: Float[np.ndarray, " n"]
     """s."""
     rates: Rates
-    """Of the base, rad/s and m/s, base axes, and of functions of the joints."""
+    """Rates of the base, rad/s and m/s, base axes, and of functions of the joints."""
 
 
 class Ring(NamedTuple):

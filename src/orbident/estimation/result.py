@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     Field,
     InstanceOf,
     PlainSerializer,
@@ -29,7 +28,7 @@ from orbident.estimation.quantities import (
     fields_as,
     short_table,
 )
-from orbident.estimation.signals import SIGNAL_UNITS, Signals, sensor_of
+from orbident.estimation.signals import Residual, Signals
 from orbident.extras import provided
 from orbident.files.json_parts import (
     Computed,
@@ -37,12 +36,10 @@ from orbident.files.json_parts import (
     FiniteNumber,
     Keyed,
     NullableNumber,
-    NumberOrNone,
     Unwritten,
     as_computed,
     held_as,
 )
-from orbident.files.schema_parts import WrongValueError
 from orbident.model.core_robot import (
     rotor_deviations,
     rotor_parts,
@@ -71,35 +68,6 @@ name."""
 
 ROUNDING = 1e-9
 """A coefficient this small beside the largest is rounding."""
-
-
-def _equation(name: str) -> str:
-    if sensor_of(name) not in SIGNAL_UNITS:
-        raise WrongValueError(f"one of {', '.join(SIGNAL_UNITS)} is expected")
-    return name
-
-
-Equation = Annotated[str, AfterValidator(_equation)]
-"""Name of an equation; where there are several recordings, as in `flight 2: gyro`."""
-
-
-class SensorResidual(TypedDict):
-    """How well a sensor, or an equation, was predicted, as `SensorFit`; SI."""
-
-    rms: NumberOrNone
-    noise: NumberOrNone
-    declared: NumberOrNone
-    whiteness: NumberOrNone
-    samples: Count
-
-
-class Residual(TypedDict, total=False):
-    """What the estimate leaves of what was measured; SI."""
-
-    rms: dict[Equation, NumberOrNone]
-    """Root mean squares."""
-    chi2_per_dof: NumberOrNone
-    sensors: dict[Equation, SensorResidual]
 
 
 RecordingFile = TypedDict(

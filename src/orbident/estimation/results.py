@@ -28,8 +28,13 @@ from orbident.estimation.quantities import (
     TotalMass,
     fields_as,
 )
-from orbident.estimation.result import Residual, Result, SensorResidual
-from orbident.estimation.signals import Signals, equation_signals
+from orbident.estimation.result import Result
+from orbident.estimation.signals import (
+    Residual,
+    SensorResidual,
+    Signals,
+    equation_signals,
+)
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.unknowns import DRIVE, SPRING, CalibrationFit
 from orbident.estimation.weigh import Weighing

@@ -21,8 +21,8 @@ from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.levels import ChiSquare, chi_square, limit
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.result import OWN, Residual, Result
-from orbident.estimation.signals import Signals
+from orbident.estimation.result import OWN, Result
+from orbident.estimation.signals import Residual, Signals
 from orbident.estimation.solution import Shared, together
 from orbident.files.names import listed
 from orbident.recordings.recording import Recording

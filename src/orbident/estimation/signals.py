@@ -4,10 +4,12 @@ Of sensors maximum likelihood predicts it (`output_error/noise_scaling.py`), and
 linear equations what is here.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import AfterValidator
+from typing_extensions import TypedDict
 
 from orbident.estimation.linear_fits import (
     InitialMomentum,
@@ -15,6 +17,8 @@ from orbident.estimation.linear_fits import (
     known_momentum,
     rows_of,
 )
+from orbident.files.json_parts import Count, NumberOrNone
+from orbident.files.schema_parts import WrongValueError
 from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
@@ -69,6 +73,35 @@ def sensor_of(name: str) -> str:
 
 
 Signals = tuple[Signal, ...]
+
+
+def _equation(name: str) -> str:
+    if sensor_of(name) not in SIGNAL_UNITS:
+        raise WrongValueError(f"one of {', '.join(SIGNAL_UNITS)} is expected")
+    return name
+
+
+Equation = Annotated[str, AfterValidator(_equation)]
+"""Name of an equation; where there are several recordings, as in `flight 2: gyro`."""
+
+
+class SensorResidual(TypedDict):
+    """How well a sensor, or an equation, was predicted, as `SensorFit`; SI."""
+
+    rms: NumberOrNone
+    noise: NumberOrNone
+    declared: NumberOrNone
+    whiteness: NumberOrNone
+    samples: Count
+
+
+class Residual(TypedDict, total=False):
+    """What the estimate leaves of what was measured; SI."""
+
+    rms: dict[Equation, NumberOrNone]
+    """Root mean squares."""
+    chi2_per_dof: NumberOrNone
+    sensors: dict[Equation, SensorResidual]
 
 
 def equation_signals(

@@ -41,7 +41,7 @@ def joint(random: np.random.Generator) -> np.ndarray:
 
 
 def moved(q: np.ndarray, w: np.ndarray) -> RigidMotion:
-    """By a joint, and the base's rate."""
+    """Rates of the base, and those of one joint with its sine and cosine."""
     qd = np.gradient(q, T)
     return RigidMotion(T, np.column_stack([w, qd, np.cos(q) * qd, np.sin(q) * qd]))
 

@@ -88,7 +88,7 @@ def test_a_coarse_sensor_is_left_as_it_is(sensor, count, noise):
 
 
 def test_an_accelerometer_freezes_and_rests():
-    """Its noise never rests; without noise it may, and begin to move at once."""
+    """Equal samples are a fault where there is noise; else the robot may rest."""
     x = X.copy()
     x[300:321] = x[300]
     assert list(found("accelerometer", x)) == [FROZEN]
