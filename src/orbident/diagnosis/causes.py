@@ -8,7 +8,7 @@ import numpy as np
 from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import smoothed
-from orbident.diagnosis.frames import missing_wheel
+from orbident.diagnosis.frames import missing_wheel, point_of_a_link
 from orbident.diagnosis.jumps import jumps
 from orbident.diagnosis.late_clocks import (
     already_corrected,
@@ -47,9 +47,6 @@ EXPLAINS = 100.0
 NEARLY = 0.9
 """Part of what explains a recording: suspects are put right to first order, so that the
 true one may explain a little less than another one that is accepted."""
-
-HARDLY = 0.9
-"""Times: a convention that leaves larger residuals than as recorded is none."""
 
 MOST = 0.5
 """Part of what a trial explains that clocks did which had been corrected before it; and
@@ -98,16 +95,12 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         yield _explained(min(jumped, key=_rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
-    # That parameters are of a likelier sign is not enough where it can be tried, nor
-    # where all sensors show a robot.
-    robot = shown and shown.mass.value > 0 and _fits(problem, shown)
-    known_better = robot or (shown and wrong.convention.columns)
-    plain = wrong.residuals_alone > FALLS or not known_better
     # Linear equations know nothing of thrust.
-    plain &= not problem.samples.unknown_thrust
-    if wrong.falls > FALLS and plain:
+    plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
+    if plain and wrong.residuals_alone > FALLS:
         yield wrong.check()
     elif shown:
+        # That parameters are of a likelier sign is not enough where it can be tried.
         yield from _by_trials(solved, shown, conventions, jumped, now, end)
     else:
         # Without a fit nothing else can be scored.
@@ -115,6 +108,8 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         happened = event(problem) if solved.hindered and not found else None
         if happened is not None:
             found = [_found(happened.words(), happened.remedy)]
+        if plain and not solved.hindered:
+            found = found or [wrong.check()]
         yield from found
 
 
@@ -141,9 +136,11 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
 
 def _of_the_scale(solved: Solved) -> bool:
     """Whether there is no scale, or a unit of the wheels' speeds explains the mass."""
-    robot, found = solved.problem.robot, solved.estimate
+    robot, found, shown = solved.problem.robot, solved.estimate, solved.shown
     unit = beside_nominal(found.mass, robot.mass, len(robot.wheels))
-    wrong = [*solved.hindered, *(unit if found.converged else [])]
+    # A unit leaves the residuals as they are.
+    alone = found.converged and (shown is None or _fits(solved.problem, shown))
+    wrong = [*solved.hindered, *(unit if alone else [])]
     return any(
         one.level == "do not trust" and one.name in {"scale", MASS_BESIDE_NOMINAL}
         for one in wrong
@@ -292,6 +289,7 @@ def _stages(
     problem = solved.problem
     yield from (noisier_sensors(problem), spikes(problem), smoothed(problem))
     yield _written(conventions, problem)
+    yield point_of_a_link(problem)
     # What the linear equations see is no small error, which others would follow.
     late = far_off(problem)
     far = any(late.values())
@@ -326,10 +324,10 @@ def _sure(one: Trial, before: float) -> Trial:
 def _written(
     conventions: list[CorrectedConvention], problem: MomentumProblem
 ) -> Iterator[Trial]:
-    """The best of joints and wheels, which output error sees though Eq. 24 does not."""
-    first = [one.convention for one in conventions if one.falls > HARDLY]
-    for convention in [each for each in first if each.columns][:LIKELIEST]:
-        right = convention.recording(problem.recording)
+    """Conventions that make parameters likelier, and leave residuals as they are."""
+    first = [one.convention for one in conventions if one.falls > FALLS]
+    for convention in first[:LIKELIEST]:
+        right = convention.written(problem)
         yield amended_trial(convention.cause, problem, recording=right)
 
 

@@ -7,7 +7,8 @@ Ways to write what others write differently: signs, degrees, order of columns.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations, permutations, product
 
 import numpy as np
@@ -16,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.shifts import of_vector
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.recordings.recording import Recording
@@ -32,6 +34,8 @@ FIELDS = {"joint": ("q", "qd"), "wheel": ("qd_rw",)}
 RATES = {"joint": "velocity", "wheel": "speed"}
 """Beside positions."""
 
+Change = Callable[[np.ndarray], np.ndarray]
+
 
 @dataclass(frozen=True)
 class Convention:
@@ -39,32 +43,31 @@ class Convention:
 
     cause: str
     """What is wrong, if it is this: a clause."""
-    amended: Callable[[MomentumProblem], Samples]
-    columns: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    """The column that replaces a joint or wheel column, and a factor, by its name."""
+    written: Callable[[MomentumProblem], Recording]
+    """The recording with it put right."""
+    quickly: Callable[[Samples], Samples] | None = None
+    """The samples put right, where that is quicker than to derive them again."""
 
-    def recording(self, recording: Recording) -> Recording:
-        """The recording with its columns put right."""
-        right = {
-            name: factor * recording.columns[source]
-            for name, (source, factor) in self.columns.items()
-            if recording.has(source)
-        }
-        return recording.with_columns(right)
+    def amended(self, problem: MomentumProblem) -> Samples:
+        """The samples of a recording with it put right."""
+        if self.quickly is not None:
+            return self.quickly(problem.samples)
+        right = self.written(problem)
+        return samples_of(problem.robot, right, corrections(problem.clocks))
 
 
-def scaled(names: Sequence[str], factor: float, cause: str) -> Convention:
+def scaled(names: Sequence[str], factor: float) -> Callable[[Samples], Samples]:
     """Samples of these names times a factor."""
 
-    def amended(problem: MomentumProblem) -> Samples:
-        tables = {name: getattr(problem.samples, name) for name in names}
+    def right(samples: Samples) -> Samples:
+        tables = {name: getattr(samples, name) for name in names}
         columns = {
             name: tuple(factor * column for column in table)
             for name, table in tables.items()
         }
-        return replace(problem.samples, **columns)
+        return replace(samples, **columns)
 
-    return Convention(cause, amended)
+    return right
 
 
 def of_all(kind: str, names: Sequence[str]) -> Iterator[Convention]:
@@ -101,8 +104,7 @@ def _written(
     """Some of the joints or wheels times a factor, or in another order."""
     order = order or range(len(names))
 
-    def amended(problem: MomentumProblem) -> Samples:
-        samples = problem.samples
+    def quickly(samples: Samples) -> Samples:
         return replace(
             samples,
             **{
@@ -114,16 +116,43 @@ def _written(
             },
         )
 
-    columns = {
-        f"{kind}.{names[k]}.{what}": (
-            f"{kind}.{names[source]}.{what}",
-            factors.get(k, 1.0),
-        )
-        for k, source in enumerate(order)
-        for what in ("position", RATES[kind])
-        if source != k or k in factors
-    }
-    return Convention(cause, amended, columns)
+    def written(problem: MomentumProblem) -> Recording:
+        columns = problem.recording.columns
+        right = {
+            f"{kind}.{names[k]}.{what}": factors.get(k, 1.0)
+            * columns[f"{kind}.{names[source]}.{what}"]
+            for k, source in enumerate(order)
+            for what in ("position", RATES[kind])
+            if f"{kind}.{names[source]}.{what}" in columns
+        }
+        return problem.recording.with_columns(right)
+
+    return Convention(cause, written, quickly)
+
+
+def _other_zeros(robot: Robot) -> Iterator[Convention]:
+    """Joints whose zero is a quarter or half a turn away, as another drawing has it."""
+    for k, joint in enumerate(robot.joints):
+        if joint.name in robot.passive or joint.kind == "prismatic":
+            continue
+        for turn in (90, -90, 180):
+            words = f"the zero of joint {joint.name} is off by {turn} deg"
+            yield _of_zero(words, k, joint.name, np.radians(turn))
+
+
+def _of_zero(cause: str, joint: int, name: str, off: float) -> Convention:
+    column = f"joint.{name}.position"
+
+    def quickly(samples: Samples) -> Samples:
+        q = list(samples.q)
+        q[joint] = q[joint] - off
+        return replace(samples, q=tuple(q))
+
+    def written(problem: MomentumProblem) -> Recording:
+        right = {column: problem.recording.column(column) - off}
+        return problem.recording.with_columns(right)
+
+    return Convention(cause, written, quickly)
 
 
 UNITS_OF_LENGTH = (("mm", 1e-3), ("cm", 1e-2))
@@ -132,7 +161,6 @@ UNITS_OF_TIME = (("ms (milliseconds)", 1e-3), ("minutes", 60.0))
 CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
 
 Matrix = Float[np.ndarray, "3 3"]
-Change = Callable[[np.ndarray], np.ndarray]
 
 
 def conventions(problem: MomentumProblem) -> Iterator[Convention]:
@@ -140,32 +168,37 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     robot, recording = problem.robot, problem.recording
     yield from of_all("joint", robot.joint_names)
     yield from of_all("wheel", robot.wheel_names)
+    yield from _other_zeros(robot)
     if recording.has("gyro.x"):
-        yield from _vector(robot, "gyro", "w")
-        in_degrees = "the gyro is in degrees per second"
+        yield from _turned(robot, "gyro", "w")
+        # Without an attitude it is what the gyro says, too.
+        quickly = scaled(("w",), DEGREE) if recording.has("attitude.x") else None
+        yield _times("gyro", DEGREE, "the gyro is in degrees per second", quickly)
         if recording.has("attitude.x"):
-            yield scaled(("w",), DEGREE, in_degrees)
             inertial = "the gyro is in inertial axes, not in the base's"
             yield Convention(inertial, _to_base)
-        else:
-            # The attitude is what the gyro says, too.
-            yield _rescaled("gyro", DEGREE, in_degrees)
     if recording.has("accelerometer.x"):
         in_g = "the accelerometer is in g, and not in m/s^2"
-        yield _rescaled("accelerometer", GRAVITY, in_g)
+        yield _times("accelerometer", GRAVITY, in_g)
     point = "velocity" if recording.has("velocity.x") else "position"
     if problem.samples.v_S:
-        yield from _vector(robot, point, "v_S")
+        yield from _turned(robot, point, "v_S")
         for unit, size in UNITS_OF_LENGTH:
-            yield scaled(("v_S",), size, f"the {point} is in {unit}")
+            words = f"the {point} is in {unit}"
+            yield _times(point, size, words, scaled(("v_S",), size))
     if recording.has("attitude.x"):
         yield from _attitude(robot)
     for unit, size in UNITS_OF_TIME:
         cause = f"the time is in {unit}, not in s"
-        yield scaled(_rates(problem), 1 / size, cause)
+        quickly = scaled(_rates(problem), 1 / size)
+        yield Convention(cause, partial(_slower, size=size), quickly)
 
 
-def _vector(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
+def _slower(problem: MomentumProblem, size: float) -> Recording:
+    return replace(problem.recording, t=size * problem.recording.t)
+
+
+def _turned(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
     for words, R in _other_axes(robot):
         what = words if words.startswith("the sign") else f"the axes ({words})"
         # A rotation of the position is one of the inertial axes the other way round.
@@ -173,14 +206,19 @@ def _vector(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
         of = f"{name}, or the inertial axes of the attitude," if inertial else name
         one = what.startswith("the sign of") and not inertial
         verb = "differs" if one else "differ"
-        yield Convention(f"{what} of the {of} {verb}", _turned(vector, R))
+        yield Convention(
+            f"{what} of the {of} {verb}",
+            _changed(name, lambda x, R=R: x @ R.T),
+            lambda samples, R=R: replace(
+                samples, **{vector: tuple(R @ np.array(getattr(samples, vector)))}
+            ),
+        )
 
 
 def _attitude(robot: Robot) -> Iterator[Convention]:
     def quaternion(words: str, change: Change) -> Convention:
-        return Convention(
-            f"the quaternion of the attitude is {words}", _quaternion(change)
-        )
+        cause = f"the quaternion of the attitude is {words}"
+        return Convention(cause, _changed("attitude", change))
 
     yield quaternion("the inverse, from inertial to base axes", lambda x: CONJUGATE * x)
     # In a plane such an attitude does not turn about z, and screening refuses it.
@@ -196,7 +234,10 @@ def _attitude(robot: Robot) -> Iterator[Convention]:
         R_BS = Rotation.from_matrix(R)
         yield Convention(
             f"the attitude sensor is turned in the base: {words}",
-            _quaternion(lambda x, R_BS=R_BS: (Rotation.from_quat(x) * R_BS).as_quat()),
+            _changed(
+                "attitude",
+                lambda x, R_BS=R_BS: (Rotation.from_quat(x) * R_BS).as_quat(),
+            ),
         )
 
 
@@ -228,41 +269,33 @@ def _rates(problem: MomentumProblem) -> tuple[str, ...]:
     return "qd", "qd_rw", *(() if gyro else ("w",)), *(() if velocity else ("v_S",))
 
 
-def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:
-    def amended(problem: MomentumProblem) -> Samples:
-        turned = R @ np.array(getattr(problem.samples, vector))
-        return replace(problem.samples, **{vector: tuple(turned)})
-
-    return amended
-
-
-def _rescaled(sensor: str, factor: float, cause: str) -> Convention:
-    """All that follows from a sensor's samples times a factor."""
-
-    def amended(problem: MomentumProblem) -> Samples:
-        right = factor * problem.recording.vector(sensor)
-        written = problem.recording.with_columns(of_vector(sensor, right))
-        return samples_of(problem.robot, written, corrections(problem.clocks))
-
-    return Convention(cause, amended)
+def _times(
+    sensor: str,
+    factor: float,
+    cause: str,
+    quickly: Callable[[Samples], Samples] | None = None,
+) -> Convention:
+    """A sensor's samples times a factor."""
+    return Convention(cause, _changed(sensor, lambda x: factor * x), quickly)
 
 
-def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:
-    def amended(problem: MomentumProblem) -> Samples:
+def _changed(sensor: str, change: Change) -> Callable[[MomentumProblem], Recording]:
+    """What a sensor of the base showed, changed."""
+
+    def written(problem: MomentumProblem) -> Recording:
         recording = problem.recording
-        x = recording.vector("attitude", "xyzw")
+        x = recording.vector(sensor, COMPONENTS[sensor]).copy()
         seen = np.isfinite(x).all(axis=1)
         x[seen] = change(x[seen])
-        written = recording.with_columns(of_vector("attitude", x))
-        return samples_of(problem.robot, written, corrections(problem.clocks))
+        return recording.with_columns(of_vector(sensor, x))
 
-    return amended
+    return written
 
 
-def _to_base(problem: MomentumProblem) -> Samples:
-    x = problem.recording.vector("attitude", "xyzw")
-    w = np.column_stack(problem.samples.w)
+def _to_base(problem: MomentumProblem) -> Recording:
+    x = np.column_stack(problem.samples.x_WB)
+    w = problem.recording.vector("gyro")
     seen = np.isfinite(x).all(axis=1) & np.isfinite(w).all(axis=1)
     turned = np.full_like(w, np.nan)
     turned[seen] = Rotation.from_quat(x[seen]).inv().apply(w[seen])
-    return replace(problem.samples, w=tuple(np.ascontiguousarray(turned.T)))
+    return problem.recording.with_columns(of_vector("gyro", turned))

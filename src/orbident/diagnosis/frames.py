@@ -15,9 +15,11 @@ from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
 from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia, poses
 from orbident.model.minimal_sets import conserved_axes
+from orbident.model.rotations import quaternion_matrix
 from orbident.preprocessing.histories import NO_NOISE
-from orbident.robot.description import Wheel
+from orbident.robot.description import Robot, Wheel
 
 SMALL = 1e-4
 """rad, N m s, or of the wheels' momentum."""
@@ -70,6 +72,65 @@ def missing_wheel(problem: MomentumProblem) -> Iterator[Trial]:
     small = np.full(len(across), SMALL)
     suspect = _with_momentum(words, small, lambda c: steady * (c @ across))
     yield from tried(problem, suspect, Score(missing, np.ones(2), 0.0), np.inf)
+
+
+def point_of_a_link(problem: MomentumProblem) -> Iterator[Trial]:
+    """The tracked point is on a link, where that is likelier by the masses of CAD.
+
+    The system CM is at `p_S + R_0 r_cm` and moves evenly; a point of body `i` at `x` in
+    its frame is at `p_S + R_0 (d_i + R_i x)`. Residuals of Eq. 31 cannot tell, since it
+    shows a point of any link as one of the base of another robot.
+    """
+    robot, samples = problem.robot, problem.samples
+    axes = list(conserved_axes(robot)[1])
+    q, x_WB = np.column_stack(samples.q), np.column_stack(samples.x_WB)
+    p = problem.recording.vector("position")[:, axes]
+    seen = np.isfinite(np.hstack([q, x_WB, p])).all(axis=1)
+    if not seen.any():
+        return
+    at, t = poses(robot, q[seen]), samples.t[seen]
+    R_WB = quaternion_matrix(x_WB[seen])
+    from_S = inertia(robot, q[seen]).r_cm
+    ones, left, offsets = np.ones(t.size), list[float](), list[np.ndarray]()
+    for body in range(len(robot.bodies)):
+        of_point = (R_WB @ at.R[:, body])[:, axes][:, :, axes]
+        even = (
+            np.stack([ones, t], axis=1)[:, None, :, None] * np.eye(len(axes))[:, None]
+        )
+        A = np.concatenate([of_point, even.reshape(t.size, len(axes), -1)], axis=2)
+        to_cm = np.einsum("nij,nj->ni", R_WB, from_S - at.d[:, body])[:, axes]
+        b = (p[seen] + to_cm).ravel()
+        A = A.reshape(b.size, -1)
+        x = np.linalg.lstsq(A, b)[0]
+        left.append(float(np.linalg.norm(b - A @ x)))
+        offsets.append(x[: len(axes)])
+    body = int(np.argmin(left))
+    if left[0] > FALLS * left[body]:
+        suspect = _on_a_link(robot, body, axes)
+        first = Score(offsets[body], np.ones(len(axes)), 0.0)
+        yield from tried(problem, suspect, first, np.inf)
+
+
+def _on_a_link(robot: Robot, body: int, axes: list[int]) -> Suspect:
+    """The tracked point is one of this body, so far off its origin."""
+
+    def words(c: Numbers) -> str:
+        joint = robot.joint_names[body - 1]
+        return (
+            f"the tracked point (the marker) is on link {robot.bodies[body]}, "
+            f"{np.linalg.norm(c):.2g} m from joint {joint}, and not on the base"
+        )
+
+    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
+        samples, recording = problem.samples, problem.recording
+        at = poses(robot, np.column_stack(samples.q))
+        R_WB = quaternion_matrix(np.column_stack(samples.x_WB))
+        arm = np.einsum("nij,nj->ni", R_WB, at.arm(body, c @ np.eye(3)[axes]))
+        right = recording.vector("position") - arm
+        columns = of_vector("position", right)
+        return problem.amended(recording=recording.with_columns(columns))
+
+    return Suspect(words, np.full(len(axes), SMALL), corrected)
 
 
 def _missing_momentum(

@@ -31,6 +31,9 @@ what rotors behind gears add to a joint's inertia, kg m^2."""
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""
 
+FARTHEST = 3.0
+"""Deviations beforehand: a larger error is none of this kind."""
+
 WORDS = {
     "joint zeros": ("the zero of joint {}", ANGLE),
     "joint scales": ("the scale of joint {}", PART),
@@ -91,7 +94,7 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
         for name, each in found.estimate.calibration.items()
         if name in kind.names
     }
-    if errors:
+    if errors and max(abs(x.value) for x in errors.values()) < FARTHEST * kind.std:
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)

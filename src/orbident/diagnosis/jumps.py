@@ -1,19 +1,14 @@
 """Sensors that jump from one sample to the next, as no smooth motion does.
 
-A polynomial and a step at its middle are fitted to the samples around every one. The
-step is a fixed filter of them, and where it stands far out of all that it gives over
-the recording, the sensor jumped. If all sensors jump at once, time did. Rates leap with
-the motion, so a gyro's jumps are looked for in what is left of it after the fit.
+If all sensors jump at once, time did. Rates leap with the motion, so a gyro's jumps are
+looked for in what is left of it after the fit.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
-from jaxtyping import Float
-from scipy.signal import argrelmax
-from scipy.special import chdtri
 
 from orbident.diagnosis.shifts import axes_of, shifted, shown_by
 from orbident.diagnosis.suspects import Numbers, Scores, Suspect, tried
@@ -22,12 +17,7 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
 from orbident.files.names import joined
-
-HALF, DEGREE = 10, 4
-"""Samples before and after, and of the polynomial through them."""
-
-FAR = 8.0
-"""Deviations of the filter's own scatter."""
+from orbident.preprocessing.leaps import Jump, jumps_of
 
 MOST = 4
 """Jumps of one sensor that are put right: more of them are noise."""
@@ -37,22 +27,6 @@ TOGETHER = 0.5
 
 RATES = ("gyro", "velocity")
 OF_THE_BASE = ("position", "attitude", *RATES)
-
-
-@dataclass(frozen=True)
-class Jump:
-    """A jump of one column or vector of the recording."""
-
-    sensor: str
-    """As columns of the recording begin."""
-    row: int
-    """The first after it."""
-    times: float
-    """Over the filter's scatter."""
-    size: Float[np.ndarray, " axes"]
-    """SI; of an attitude by its quaternion's components."""
-    rate: Float[np.ndarray, " axes"]
-    """The change of the shown rate at the jump, SI per second."""
 
 
 def jumping(problem: MomentumProblem, sensor: str, rows: Sequence[int]) -> Suspect:
@@ -135,33 +109,3 @@ def _lost_rows(problem: MomentumProblem, at_once: list[Jump]) -> Iterator[Trial]
 
 def _norm(jump: Jump) -> float:
     return float(np.linalg.norm(jump.size))
-
-
-def jumps_of(
-    sensor: str, t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n axes"]
-) -> list[Jump]:
-    """All that stand out, the largest first; none of few samples, or of a rest."""
-    seen = np.flatnonzero(np.isfinite(x).all(axis=1))
-    if seen.size < 4 * HALF:
-        return []
-    step, slope = _filters()
-    shown, dt = x[seen], float(np.median(np.diff(t[seen])))
-    found = np.array([np.correlate(axis, step, "valid") for axis in shown.T]).T
-    slopes = np.array([np.correlate(axis, slope, "valid") for axis in shown.T]).T / dt
-    size = np.linalg.norm(found, axis=1)
-    scatter = float(np.median(size) / np.sqrt(chdtri(x.shape[1], 0.5)))
-    # Around a jump the filter shows the same one again.
-    tops = argrelmax(np.pad(size, 1), order=HALF)[0] - 1
-    far = [k for k in tops if size[k] > FAR * scatter > 0]
-    return [
-        Jump(sensor, int(seen[k + HALF]), size[k] / scatter, found[k], slopes[k])
-        for k in sorted(far, key=lambda k: -size[k])
-    ]
-
-
-def _filters() -> tuple[np.ndarray, np.ndarray]:
-    """That of the step at the middle of so many samples, and of the slope there."""
-    k = np.arange(-HALF, HALF) + 0.5
-    powers = np.vander(k / HALF, DEGREE + 1, increasing=True)
-    by = np.linalg.pinv(np.column_stack([powers, k > 0]))
-    return by[-1], by[1] / HALF

@@ -28,6 +28,9 @@ something is plainly wrong: noise is some thousandths, and CAD does not enter.""
 PLAIN = 10.0
 """Times that residuals are smaller with a plain mistake put right."""
 
+HARDLY = 0.9
+"""Times: a convention that leaves larger residuals than as recorded is none."""
+
 PLAINLY = 1.1
 """Times better than a simpler suspicion, which comes before."""
 
@@ -81,6 +84,7 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
         left = _misfit(part, convention)
         falls = before.misfit / left.misfit if left.misfit > 0 else 0.0
         alone = before.residuals / left.residuals if left.residuals > 0 else 0.0
+        falls = falls if alone > HARDLY else min(falls, alone)
         found.append(CorrectedConvention(convention, falls, alone))
     best, worth = 0.0, {}
     for k, one in enumerate(found):

@@ -27,6 +27,7 @@ from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS, TRIED
 from orbident.estimation.solve import in_whole, solved_by
 from orbident.model.core_robot import wheels_of
+from orbident.preprocessing.leaps import jumps_of
 
 RANK = 1e-9
 """Part of the largest singular value below which columns are dependent."""
@@ -59,7 +60,10 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
     # As it was recorded: nothing is subtracted that was taken for something else.
     problem = problem.amended()
     row = jump_of_momenta(problem)
-    pushed = problem.amended(pushed=(t[row - AROUND], t[row + AROUND]))
+    first, last = t[row - AROUND], t[row + AROUND]
+    if _a_joint_jumps(problem, first, last):
+        return solved
+    pushed = problem.amended(pushed=(first, last))
     # Only where a push explains the recording is it asked what else acts.
     for tested in (False, True):
         fit = OutputError(steps=FEW_STEPS, tested=tested)
@@ -71,6 +75,19 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
         return solved
     again = solved_by(estimator, pushed, shown, progress)
     return again if _fits(again) else solved
+
+
+def _a_joint_jumps(problem: MomentumProblem, first: float, last: float) -> bool:
+    """Whether an encoder jumps meanwhile: no push does that, and a slip explains it."""
+    recording = problem.recording
+    columns = [f"joint.{name}.position" for name in problem.robot.joint_names]
+    jumps = [
+        jump
+        for column in columns
+        if recording.has(column)
+        for jump in jumps_of(column, recording.t, recording.column(column)[:, None])
+    ]
+    return any(first <= recording.t[jump.row] <= last for jump in jumps)
 
 
 def _fits(solved: Solved) -> bool:
