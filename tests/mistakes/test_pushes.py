@@ -5,6 +5,7 @@ import pytest
 from recordings import SPACE, TABLE, clean
 from scipy.spatial.transform import Rotation
 from spoiled import Spoiled
+from wrong_columns import columns
 from wrong_motions import burst, changing
 
 from orbident.estimation.identify import Method, identify
@@ -68,3 +69,16 @@ def test_other_methods_leave_the_burst_out(name: str, method: Method):
 @pytest.mark.parametrize("name", [SPACE, TABLE])
 def test_a_capture_is_no_push(name: str):
     assert identified(changing(-1, 0.3)(clean(name))).status == "rejected"
+
+
+def test_a_joint_that_slips_is_no_push():
+    """What explains the momenta after it would hide what the encoder shows."""
+    slipped = columns("joint.joint2.position", lambda q: q + 0.03 * later(q))(
+        clean(TABLE)
+    )
+    assert identified(slipped).status == "rejected"
+
+
+def later(x: np.ndarray) -> np.ndarray:
+    """1 in the second half of the recording."""
+    return np.arange(x.size) >= x.size // 2

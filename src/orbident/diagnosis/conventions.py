@@ -31,7 +31,7 @@ GRAVITY = 9.80665
 
 FIELDS = {"joint": ("q", "qd"), "wheel": ("qd_rw",)}
 """Fields of `Samples` that hold joints and wheels."""
-RATES = {"joint": "velocity", "wheel": "speed"}
+OF_POSITIONS = {"joint": "velocity", "wheel": "speed"}
 """Beside positions."""
 
 Change = Callable[[np.ndarray], np.ndarray]
@@ -122,7 +122,7 @@ def _written(
             f"{kind}.{names[k]}.{what}": factors.get(k, 1.0)
             * columns[f"{kind}.{names[source]}.{what}"]
             for k, source in enumerate(order)
-            for what in ("position", RATES[kind])
+            for what in ("position", OF_POSITIONS[kind])
             if f"{kind}.{names[source]}.{what}" in columns
         }
         return problem.recording.with_columns(right)
@@ -131,12 +131,16 @@ def _written(
 
 
 def _other_zeros(robot: Robot) -> Iterator[Convention]:
-    """Joints whose zero is a quarter or half a turn away, as another drawing has it."""
+    """Joints whose zero is a quarter or half a turn away, as another drawing has it.
+
+    Of many arms a recording does not show a half turn, so which way is not said.
+    """
     for k, joint in enumerate(robot.joints):
         if joint.name in robot.passive or joint.kind == "prismatic":
             continue
         for turn in (90, -90, 180):
-            words = f"the zero of joint {joint.name} is off by {turn} deg"
+            part = "half" if turn == 180 else "a quarter of"
+            words = f"the zero of joint {joint.name} is {part} a turn off"
             yield _of_zero(words, k, joint.name, np.radians(turn))
 
 
@@ -161,6 +165,7 @@ UNITS_OF_TIME = (("ms (milliseconds)", 1e-3), ("minutes", 60.0))
 CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
 
 Matrix = Float[np.ndarray, "3 3"]
+Rates = Float[np.ndarray, "n 3"]
 
 
 def conventions(problem: MomentumProblem) -> Iterator[Convention]:
@@ -176,7 +181,11 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
         yield _times("gyro", DEGREE, "the gyro is in degrees per second", quickly)
         if recording.has("attitude.x"):
             inertial = "the gyro is in inertial axes, not in the base's"
-            yield Convention(inertial, _to_base)
+            yield Convention(
+                inertial, partial(_gyro_by, body_rates=_from_inertial_axes)
+            )
+            euler = "the gyro shows rates of Euler angles (roll, pitch and yaw)"
+            yield Convention(euler, partial(_gyro_by, body_rates=_from_euler_rates))
     if recording.has("accelerometer.x"):
         in_g = "the accelerometer is in g, and not in m/s^2"
         yield _times("accelerometer", GRAVITY, in_g)
@@ -292,10 +301,34 @@ def _changed(sensor: str, change: Change) -> Callable[[MomentumProblem], Recordi
     return written
 
 
-def _to_base(problem: MomentumProblem) -> Recording:
+def _gyro_by(
+    problem: MomentumProblem, body_rates: Callable[[Rotation, Rates], Rates]
+) -> Recording:
+    """The gyro's samples as rates of the base, by the attitude."""
     x = np.column_stack(problem.samples.x_WB)
     w = problem.recording.vector("gyro")
     seen = np.isfinite(x).all(axis=1) & np.isfinite(w).all(axis=1)
-    turned = np.full_like(w, np.nan)
-    turned[seen] = Rotation.from_quat(x[seen]).inv().apply(w[seen])
-    return problem.recording.with_columns(of_vector("gyro", turned))
+    right = np.full_like(w, np.nan)
+    right[seen] = body_rates(Rotation.from_quat(x[seen]), w[seen])
+    return problem.recording.with_columns(of_vector("gyro", right))
+
+
+def _from_inertial_axes(R_WB: Rotation, w: Rates) -> Rates:
+    return R_WB.inv().apply(w)
+
+
+def _from_euler_rates(R_WB: Rotation, rates: Rates) -> Rates:
+    """By rates of roll, pitch and yaw, each about its own axis.
+
+    The base turns by yaw about `z`, then by pitch about `y`, then by roll about `x`.
+    """
+    _, pitch, roll = R_WB.as_euler("ZYX").T
+    p, q, r = rates.T
+    across = r * np.cos(pitch)
+    return np.column_stack(
+        [
+            p - r * np.sin(pitch),
+            q * np.cos(roll) + across * np.sin(roll),
+            across * np.cos(roll) - q * np.sin(roll),
+        ]
+    )

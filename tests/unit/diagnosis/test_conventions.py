@@ -2,22 +2,26 @@
 
 import numpy as np
 from cause_problems import clean, problem_with
+from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.conventions import conventions
-from orbident.diagnosis.linear_test import FALLS, tried_conventions
+from orbident.diagnosis.linear_test import FALLS, HARDLY, tried_conventions
 
 
 def test_no_two_have_the_same_words():
-    words = [each.cause for each in conventions(problem_with())]
+    """But for a quarter turn, to one side and the other."""
+    causes = [each.cause for each in conventions(problem_with())]
+    words = [each for each in causes if "a quarter of a turn" not in each]
     assert len(words) == len(set(words))
 
 
 def test_what_undoes_one_is_the_same_for_samples_and_columns():
     problem = problem_with()
-    of_columns = [each for each in conventions(problem) if each.columns]
-    for each in (of_columns[0], of_columns[-1]):
-        again = problem.amended(recording=each.recording(problem.recording))
-        for name in ("q", "qd", "qd_rw"):
+    quick = [each for each in conventions(problem) if each.quickly]
+    for words in ("sign of joint", "wheels", "zero of", "x of the gyro", "is in mm"):
+        each = next(one for one in quick if words in one.cause)
+        again = problem.amended(recording=each.written(problem))
+        for name in ("q", "qd", "w", "qd_rw", "v_S"):
             np.testing.assert_allclose(
                 np.array(getattr(again.samples, name)),
                 np.array(getattr(each.amended(problem), name)),
@@ -34,3 +38,30 @@ def test_the_signs_of_two_joints():
     problem = problem_with({f"joint.joint{k}.position": lambda q: -q for k in (1, 3)})
     assert "joints joint1 and joint3" in tried_conventions(problem)[0].convention.cause
     assert clean().robot.joint_names == ("joint1", "joint2", "joint3")
+
+
+def test_a_zero_that_is_a_quarter_turn_away():
+    problem = problem_with({"joint.joint2.position": lambda q: q - np.pi / 2})
+    first = tried_conventions(problem)[0]
+    assert "zero of joint joint2 is a quarter of a turn off" in first.convention.cause
+    assert first.residuals_alone > FALLS
+
+
+def test_likelier_signs_are_no_reason_for_larger_residuals():
+    """They would be 1000 times likelier, and leave residuals 10 times as large."""
+    problem = problem_with({"joint.joint2.position": lambda q: np.roll(q, 1)})
+    for one in tried_conventions(problem):
+        assert one.falls <= FALLS or one.residuals_alone > HARDLY
+
+
+def test_rates_of_euler_angles():
+    t, x = clean().recording.t, clean().recording.vector("attitude", "xyzw")
+    yaw, pitch, roll = np.unwrap(Rotation.from_quat(x).as_euler("ZYX"), axis=0).T
+    rates = (np.gradient(angle, t) for angle in (roll, pitch, yaw))
+    problem = problem_with(
+        {
+            f"gyro.{k}": lambda _, rate=rate: rate
+            for k, rate in zip("xyz", rates, strict=True)
+        }
+    )
+    assert "Euler" in tried_conventions(problem)[0].convention.cause

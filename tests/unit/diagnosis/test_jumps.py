@@ -1,44 +1,13 @@
 """Steps that no smooth motion makes."""
 
 import numpy as np
-import pytest
 from cause_problems import clean, fitted, problem_with, with_recording
 
-from orbident.diagnosis.jumps import FAR, jumping, jumps, jumps_of, steps
+from orbident.diagnosis.jumps import jumping, jumps, steps
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Scores
 
 ONES = np.ones(3)
-T = np.arange(300) * 0.1
-NOISE = 1e-4 * np.random.default_rng(0).standard_normal((T.size, 1))
-SMOOTH = np.sin(0.7 * T)[:, None] + NOISE
-
-
-def test_a_smooth_motion_does_not_jump():
-    assert jumps_of("joint.a", T, SMOOTH) == []
-
-
-@pytest.mark.parametrize("size", [-0.02, 0.005])
-def test_the_row_and_the_size_of_a_jump(size: float):
-    (found,) = jumps_of("joint.a", T, SMOOTH + size * (T[140] <= T)[:, None])
-    assert found.times > FAR
-    assert found.row == 140
-    # The step's own deviation is some three times that of a sample.
-    assert found.size[0] == pytest.approx(size, abs=1e-3)
-    assert found.rate[0] == pytest.approx(0.7 * np.cos(0.7 * T[140]), abs=0.02)
-
-
-def test_too_few_samples_show_nothing():
-    assert jumps_of("joint.a", T[:20], SMOOTH[:20]) == []
-
-
-def test_a_jump_there_and_back():
-    away = (T[140] <= T) & (T[200] > T)
-    found = jumps_of("joint.a", T, SMOOTH + 0.01 * away[:, None])
-    assert sorted(jump.row for jump in found) == [140, 200]
-    rising = {jump.row: jump.size[0] for jump in found}
-    assert rising[140] == pytest.approx(0.01, abs=1e-3)
-    assert rising[200] == pytest.approx(-0.01, abs=1e-3)
 
 
 def test_a_joint_that_slips_is_put_right():

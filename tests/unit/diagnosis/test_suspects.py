@@ -3,15 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
-from cause_problems import clean, fitted, problem_with
+from cause_problems import clean, fitted, problem_with, with_recording
 from edited_recordings import changed
+from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.filters import filters
-from orbident.diagnosis.frames import beside, missing_wheel
+from orbident.diagnosis.frames import beside, missing_wheel, point_of_a_link
 from orbident.diagnosis.shifts import curved_scales
 from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.unknowns import Score
+from orbident.model.kinematics import poses
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
@@ -52,6 +54,21 @@ def test_a_wheel_that_the_robot_file_lacks():
     (found,) = missing_wheel(problem)
     assert found.accepted
     assert "a wheel is missing" in found.cause
+
+
+def test_a_tracked_point_on_a_link():
+    """The marker is 0.1 m from the second joint, on the link behind it."""
+    problem, x = problem_with(), np.array([0.06, 0.0, 0.08])
+    at = poses(clean().robot, np.column_stack(problem.samples.q))
+    R_WB = Rotation.from_quat(np.column_stack(problem.samples.x_WB))
+    p = clean().recording.vector("position") + R_WB.apply(at.arm(2, x))
+    columns = {f"position.{k}": part for k, part in zip("xyz", p.T, strict=True)}
+    spoiled = with_recording(changed(clean().recording, columns))
+    (found,) = point_of_a_link(spoiled)
+    assert f"is on link {clean().robot.bodies[2]}, 0.1 m from joint joint2" in (
+        found.cause
+    )
+    assert [*point_of_a_link(problem)] == []
 
 
 def test_no_wheel_is_missing():
