@@ -22,7 +22,7 @@ from orbident.estimation.output_error.problem import (
     Problem,
     linear,
     problem_of,
-    residuals,
+    residuals_alone,
 )
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
@@ -106,7 +106,9 @@ class Scores:
         # After one step of all other unknowns.
         factor = solution.prior.added(here.common, state)
         g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
-        there = residuals(equations, solution.weights, state.moved(here.step(g), g))
+        there = residuals_alone(
+            equations, solution.weights, state.moved(here.step(g), g)
+        )
         return np.concatenate([table.ravel() for table in there.values()])
 
 

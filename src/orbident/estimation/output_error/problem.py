@@ -150,7 +150,7 @@ def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     return Linear(factor, links, cost, _by_sensor(residuals, weights), state)
 
 
-def residuals(problem: Problem, weights: BySensor, state: Unknowns) -> BySensor:
+def residuals_alone(problem: Problem, weights: BySensor, state: Unknowns) -> BySensor:
     """Those of `linear`: how they change with what acts is not worked out."""
     at = _arguments(problem, weights, state)
     acts = state.selected >= problem.acting.first
