@@ -111,12 +111,12 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
 def far_off(problem: MomentumProblem) -> dict[str, float]:
     """Clocks that are so far off that their effect is no longer in proportion."""
     part = problem.beginning(ROWS)
-    best, at = HELPS * linear_misfit(part, part.samples), dict.fromkeys(SHARED, 0.0)
+    best, at = HELPS * linear_misfit(part), dict.fromkeys(SHARED, 0.0)
     for names in (("joints",), ("attitude",), ("position",), tuple(SHARED)):
         for late in TRIED:
             tried = dict.fromkeys(SHARED, 0.0) | dict.fromkeys(names, late)
             try:
-                misfit = linear_misfit(part, _behind(part, tried).samples)
+                misfit = linear_misfit(_behind(part, tried))
             except InputError:
                 continue
             if misfit < best:

@@ -9,10 +9,9 @@ from orbident.diagnosis.conventions import Convention, conventions
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import whiteness
-from orbident.estimation.linear_fits import LinearFit, fit
+from orbident.estimation.linear_fits import Fits, LinearFit, fit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.signals import equation_signals
-from orbident.preprocessing.samples import Samples
 
 ROWS = 1000
 """So many samples from the beginning of a recording show a wrong convention as well as
@@ -78,7 +77,7 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     A later one counts only where it is plainly better than all before.
     """
     part = problem.beginning(ROWS)
-    before = _left(part, part.samples)
+    before = _left(part, part.fits)
     found = []
     for convention in conventions(part):
         left = _misfit(part, convention)
@@ -145,27 +144,24 @@ class _Left(NamedTuple):
 
 def _misfit(problem: MomentumProblem, convention: Convention) -> _Left:
     try:
-        return _left(problem, convention.amended(problem))
+        samples = convention.amended(problem)
+        robot, sets, given = problem.robot, problem.sets, problem.initial_momentum
+        return _left(problem, fit(robot, sets, samples, given, lambda _: None))
     except InputError:
         return _Left(np.inf)
 
 
-def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
+def linear_misfit(problem: MomentumProblem) -> float:
     """Residuals over all that there is to explain, more where parameters are unlikely.
 
     Args:
-        problem: whose minimal sets count.
-        samples: of its recording, as they would be.
-
-    Raises:
-        InputError: there are fewer equations than unknowns.
+        problem: with its linear fits.
     """
-    return _left(problem, samples).misfit
+    return _left(problem, problem.fits).misfit
 
 
-def _left(problem: MomentumProblem, samples: Samples) -> _Left:
+def _left(problem: MomentumProblem, fits: Fits) -> _Left:
     robot, sets = problem.robot, problem.sets
-    fits = fit(robot, sets, samples, problem.initial_momentum, lambda _: None)
     left = [_part_left(each) for each in (fits.pi, fits.phi) if each.explained > 0]
     if not np.isfinite(left).all():
         return _Left(np.inf)

@@ -18,7 +18,12 @@ from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.acting import Acting, Followed
-from orbident.estimation.output_error.problem import Problem, linear, problem_of
+from orbident.estimation.output_error.problem import (
+    Problem,
+    linear,
+    problem_of,
+    residuals_alone,
+)
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import Score, score
@@ -101,8 +106,10 @@ class Scores:
         # After one step of all other unknowns.
         factor = solution.prior.added(here.common, state)
         g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
-        there = linear(equations, solution.weights, state.moved(here.step(g), g))
-        return np.concatenate([table.ravel() for table in there.residuals.values()])
+        there = residuals_alone(
+            equations, solution.weights, state.moved(here.step(g), g)
+        )
+        return np.concatenate([table.ravel() for table in there.values()])
 
 
 def _equations(problem: MomentumProblem, followed: Followed | None = None) -> Problem:

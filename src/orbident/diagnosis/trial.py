@@ -75,17 +75,18 @@ def trial(
     driven = joints_with_torques(problem.robot, problem.recording)
     if obstacles(problem, bool(driven)):
         return Trial(cause, False, np.inf)
-    found = _by(OutputError(steps=FEW_STEPS, tested=False, free=free), cause, problem)
-    if found.accepted or found.fits or likely:
-        return _by(OutputError(steps=FEW_STEPS, free=free), cause, problem)
+    fit = OutputError(steps=FEW_STEPS, tested=False, free=free)
+    try:
+        shown = fit.estimate(problem, lambda _: None)
+    except InputError:  # Equations that overflow, or too few rows.
+        return Trial(cause, False, np.inf)
+    found = _judged(cause, problem, shown)
+    if shown.tested and (found.accepted or found.fits or likely):
+        return _judged(cause, problem, shown.tested())
     return found
 
 
-def _by(estimator: OutputError, cause: str, problem: MomentumProblem) -> Trial:
-    try:
-        shown = estimator.estimate(problem, lambda _: None)
-    except InputError:  # Equations that overflow, or too few rows.
-        return Trial(cause, False, np.inf)
+def _judged(cause: str, problem: MomentumProblem, shown: Estimate) -> Trial:
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
     accepted = worst(judgement.checks) != "do not trust"
     fits = only_vague(judgement.checks)

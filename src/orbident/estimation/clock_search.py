@@ -10,7 +10,9 @@ on the clock that was found, until no more than first order is left. What is too
 that is first looked for by the residuals of Eq. 24.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -124,11 +126,20 @@ def _clock_of(
     start = punctual if near else _far(first.problem)
     if abs(start.late) > LONGEST:
         return start, first
-    # Only on the clock that settles it is asked what else acts: that takes most time.
     plain = replace(fit, tested=False)
-    settled = _settled(first.problem, start, plain, progress)
-    near_it = settled.clock if settled else start
-    found = _settled(first.problem, near_it, fit, progress)
+
+    @lru_cache(1)
+    def plainly(late: float) -> _Fit:
+        there = _with(first.problem, Delay(late, np.inf, believed=True))
+        return _Fit(there, plain.estimate(there, progress))
+
+    def in_full(late: float) -> _Fit:
+        there, shown = plainly(late)
+        return _Fit(there, shown.tested() if fit.tested and shown.tested else shown)
+
+    # Only on the clock that settles it is it asked what else acts: that takes longest.
+    settled = _settled(start, plainly)
+    found = _settled(settled.clock if settled else start, in_full)
     if found is None or misfit(found.fit.shown) > misfit(shown) - WORTH:
         return punctual, first
     clock, there = found
@@ -154,30 +165,25 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
     return Delay(float(late), float(std), believed=False), WORTH < fall == most
 
 
-def _settled(
-    problem: MomentumProblem, clock: Delay, fit: OutputError, progress: Progress
-) -> _Settled | None:
+def _settled(clock: Delay, fitted: Callable[[float], _Fit]) -> _Settled | None:
     """The clock that is freed again and again, where that comes to an end.
 
     Args:
-        problem: as it was recorded.
         clock: where the search starts.
-        fit: finds the least cost.
-        progress: as `evidence` has it.
+        fitted: the fit on a clock that is so late, s.
     """
     for _ in range(ROUNDS if clock.late else 0):
         try:
-            there = _with(problem, clock._replace(believed=True))
-            shown = fit.estimate(there, progress)
+            fit = fitted(clock.late)
         except InputError:  # Too little is left where all clocks show something.
             return None
-        error = shown.calibration[CLOCK]
-        if not shown.converged:
+        error = fit.shown.calibration[CLOCK]
+        if not fit.shown.converged:
             return None
         if abs(error.value) < max(SETTLED, error.std):
             matters = abs(clock.late) > max(LEAST, SURE * error.std)
             clock = Delay(clock.late, error.std, believed=True)
-            return _Settled(clock, _Fit(there, shown)) if matters else None
+            return _Settled(clock, fit) if matters else None
         clock = Delay(clock.late + error.value, error.std, believed=True)
     return None
 

@@ -178,6 +178,8 @@ class Estimate(BesideParameters):
     """What it says to other recordings of the robot, where it can."""
     given: Callable[[], OutsideMomentum | None] = lambda: None
     """What acted from outside has given to the momenta, where something did."""
+    tested: "Callable[[], Estimate] | None" = None
+    """The same fit, asked what acts more than it may, where it was not."""
 
 
 @runtime_checkable

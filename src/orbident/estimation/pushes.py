@@ -64,13 +64,16 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
     if _a_joint_jumps(problem, first, last):
         return solved
     pushed = problem.amended(pushed=(first, last))
-    # Only where a push explains the recording is it asked what else acts.
-    for tested in (False, True):
-        fit = OutputError(steps=FEW_STEPS, tested=tested)
-        shown = fit.estimate(pushed, progress)
-        # Any method is judged beside what output error shows.
-        if not _fits(Solved(pushed, [], shown, shown)):
-            return solved
+    fit = OutputError(steps=FEW_STEPS, tested=False)
+    shown = fit.estimate(pushed, progress)
+    # Only where a push explains the recording is it asked what else acts. Any method is
+    # judged beside what output error shows.
+    if not _fits(Solved(pushed, [], shown, shown)):
+        return solved
+    assert shown.tested is not None
+    shown = shown.tested()
+    if not _fits(Solved(pushed, [], shown, shown)):
+        return solved
     if _fits_with_an_error(solved):
         return solved
     again = solved_by(estimator, pushed, shown, progress)

@@ -4,6 +4,7 @@ What only the whole of a recording tells, found once and used for its stretches.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -38,6 +39,10 @@ TRIED = 8
 LARGEST = 1e12
 """The largest ratio tried. The spline then misses no sample by more than some
 millionths of what that differs from its prediction; beyond, rounding takes over."""
+
+REMEMBERED = 128
+"""Columns whose roughness is kept, 64 kB each at most: while a cause is looked for,
+most are smoothed again and again as they were."""
 
 SMALLEST = 1e-100
 """Size that even a column of zeros is taken to have, in any unit."""
@@ -266,9 +271,19 @@ def _averaged(column: Column) -> Column:
 def _searched(column: Column, std: float | None) -> Roughness:
     """On the samples as they are."""
     t, x = _stretches(column)
-    freedom = t.size - ORDER * len(t)
     # Samples are no better than their last bit, even of a joint that stands still.
     bit = np.finfo(np.float64).eps * max(np.abs(column.x).max(), SMALLEST)
+    samples = (t.tobytes(), x.tobytes(), len(t))
+    return Roughness(*_likeliest(*samples, bit, std), column.h, column.offset)
+
+
+@lru_cache(REMEMBERED)
+def _likeliest(
+    times: bytes, samples: bytes, stretches: int, bit: float, std: float | None
+) -> tuple[float, float]:
+    """The ratio, and the noise of the samples."""
+    t, x = (np.frombuffer(each).reshape(stretches, -1) for each in (times, samples))
+    freedom = t.size - ORDER * stretches
     span = (-2 * ORDER * np.log10(4 * np.ptp(t, axis=1).max()), np.log10(LARGEST))
 
     def tried(low: float, high: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -289,7 +304,7 @@ def _searched(column: Column, std: float | None) -> Roughness:
     if std is None:
         found = np.exp(np.interp(ratio, grid, np.log(R)) / 2) if freedom else np.nan
         std = float(found)
-    return Roughness(10**ratio, std, column.h, column.offset)
+    return 10**ratio, std
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> float:

@@ -10,7 +10,7 @@ An accelerometer feels `F / M + b`.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,6 +62,8 @@ class Followed:
     """With the rows."""
     predicted: Columns = ()
     """What a fit predicts of the gyro at the rows; NaN where it showed nothing."""
+    still: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict, init=False)
+    """The table of torques and pulls of size one that was last asked for."""
 
     @cached_property
     def t(self) -> Float[np.ndarray, " nodes"]:
@@ -190,7 +192,6 @@ class Acting:
             allowed: what may act, by group.
         """
         self.followed, self.first, self.allowed = followed, first, allowed
-        self._still: tuple[tuple[int, ...], np.ndarray] | None = None
 
     @property
     def recorded(self) -> tuple[Unknown, ...]:
@@ -340,7 +341,7 @@ class Acting:
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""
-        self._still = None
+        self.followed.still.clear()
 
     def _without_force(
         self, which: tuple[int, ...]
@@ -349,12 +350,13 @@ class Acting:
 
         Before them is a column for what all do together, so that nobody copies them.
         """
-        if self._still is None or self._still[0] != which:
-            effects = [self._still_effect(k) for k in which]
+        still = self.followed.still
+        if which not in still:
+            still.clear()
+            effects = [self.followed.motion.nothing, *map(self._still_effect, which)]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
-            together = self.followed.motion.nothing
-            self._still = which, self._moved([together, *effects], nowhere, 1.0)
-        return self._still[1]
+            still[which] = self._moved(effects, nowhere, 1.0)
+        return still[which]
 
     def _still_effect(self, k: int) -> Effect:
         first = SHARED + len(self.recorded)
@@ -367,8 +369,6 @@ class Acting:
     ) -> Float[np.ndarray, "nodes rows effects"]:
         t = self.followed.t
         table = np.zeros((t.size, ROWS, len(effects)))
-        if not effects:
-            return table
         rate = np.stack([each.torque for each in effects], axis=-1)
         pushing = [k for k, each in enumerate(effects) if each.accelerates]
         if pushing:

@@ -47,7 +47,12 @@ from orbident.estimation.output_error.disturbance_sizes import (
     widened_by,
     with_densities,
 )
-from orbident.estimation.output_error.hypotheses import Search, fit_in_world
+from orbident.estimation.output_error.hypotheses import (
+    Search,
+    WorldFit,
+    fit_as_expected,
+    fit_in_world,
+)
 from orbident.estimation.output_error.joint_laws import (
     ENOUGH,
     LOOSE,
@@ -66,7 +71,7 @@ from orbident.estimation.output_error.sensors import TORQUES, Sensors, sensors_o
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
 from orbident.estimation.output_error.torques import drives_of, joints_driven
-from orbident.estimation.output_error.walking_rates import walked
+from orbident.estimation.output_error.walking_rates import Density, walked
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import MinimalSets
@@ -110,13 +115,9 @@ class OutputError:
         recording = gaps_as_rows(problem.recording)
         if recording is not problem.recording:
             problem = problem.amended(recording=recording)
-        robot, sets = problem.robot, problem.sets
-        sensors = sensors_of(
-            robot,
-            problem.recording,
-            delays(robot, problem.recording, problem.late),
-            problem.samples.speeds,
-        )
+        robot = problem.robot
+        late = delays(robot, recording, problem.late)
+        sensors = sensors_of(robot, recording, late, problem.samples.speeds)
         search = self._search(problem, sensors, step)
         # Without declared noise, what splines leave between samples looks slow too.
         excluded = () if search.declared == {*sensors.by_name} else SLOW
@@ -127,45 +128,11 @@ class OutputError:
         )
         # Densities that nobody declared are estimated from all waves.
         equations = equations._replace(shows=search.shows)
-        equations, found, expected, zeros, freed = fit_in_world(
-            replace(search, problem=equations), excluded
-        )
-        beta = estimate_of(found.solution, prior_std(robot, sets))
-        by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
-        calibration = _calibration(equations, found.solution)
-        disturbances = identified(equations, found.solution, densities, freed)
-        return replace(
-            estimate_of_beta(
-                problem,
-                beta,
-                "maximum likelihood",
-                {name: fit.rms for name, fit in by_sensor.items()},
-                _goodness(sensors, found),
-                disturbed=bool(disturbances) or bool(_driven(robot, equations)),
-            ),
-            sensors=by_sensor,
-            biases=_biases(sets, sensors, found),
-            disturbances=disturbances,
-            allowed=_allowed(equations),
-            widened_by=widened_by(equations.expected, found.solution),
-            unexpected=freed,
-            rest=surprise_of_rest(equations, found.solution)
-            if problem.initial_momentum == "at-rest"
-            else ChiSquare(0.0, 0),
-            carried=surprise_of_carried(found.solution),
-            calibration=calibration,
-            springs=springs_of(robot, calibration),
-            drives=drives_of(robot, calibration, _driven(robot, equations)),
-            sensitivity=partial(sensitivity, zeros),
-            sources=partial(covariance_parts, equations, found.solution),
-            converged=found.solution.converged,
-            settled=found.settled,
-            convergence=found.convergence,
-            signals=sensor_signals(robot, equations, sensors, found),
-            solution=expected.solution,
-            shared=partial(shared_of, equations, found.solution),
-            given=partial(_given, equations, found.solution.state),
-        )
+        made = partial(_estimate, problem, sensors, densities)
+        fit = fit_as_expected(replace(search, problem=equations))
+        if self.tested:
+            return made(fit_in_world(fit, excluded))
+        return replace(made(fit), tested=lambda: made(fit_in_world(fit, excluded)))
 
     def _search(
         self, problem: MomentumProblem, sensors: Sensors, step: Callable[[], object]
@@ -246,8 +213,54 @@ class OutputError:
             {name for name, each in sensors.by_name.items() if each.declared},
             step,
             self.steps,
-            self.tested,
         )
+
+
+def _estimate(
+    problem: MomentumProblem,
+    sensors: Sensors,
+    densities: Mapping[str, Density],
+    fit: WorldFit,
+) -> Estimate:
+    """What a fit says."""
+    robot, sets = problem.robot, problem.sets
+    found, equations = fit.found, fit.search.problem
+    beta = estimate_of(found.solution, prior_std(robot, sets))
+    by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
+    calibration = _calibration(equations, found.solution)
+    disturbances = identified(equations, found.solution, densities, fit.freed)
+    return replace(
+        estimate_of_beta(
+            problem,
+            beta,
+            "maximum likelihood",
+            {name: fit.rms for name, fit in by_sensor.items()},
+            _goodness(sensors, found),
+            disturbed=bool(disturbances) or bool(_driven(robot, equations)),
+        ),
+        sensors=by_sensor,
+        biases=_biases(sets, sensors, found),
+        disturbances=disturbances,
+        allowed=_allowed(equations),
+        widened_by=widened_by(equations.expected, found.solution),
+        unexpected=fit.freed,
+        rest=surprise_of_rest(equations, found.solution)
+        if problem.initial_momentum == "at-rest"
+        else ChiSquare(0.0, 0),
+        carried=surprise_of_carried(found.solution),
+        calibration=calibration,
+        springs=springs_of(robot, calibration),
+        drives=drives_of(robot, calibration, _driven(robot, equations)),
+        sensitivity=partial(sensitivity, fit.zeros),
+        sources=partial(covariance_parts, equations, found.solution),
+        converged=found.solution.converged,
+        settled=found.settled,
+        convergence=found.convergence,
+        signals=sensor_signals(robot, equations, sensors, found),
+        solution=fit.expected.solution,
+        shared=partial(shared_of, equations, found.solution),
+        given=partial(_given, equations, found.solution.state),
+    )
 
 
 def _driven(robot: Robot, equations: Problem) -> tuple[str, ...]:

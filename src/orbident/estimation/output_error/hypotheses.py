@@ -74,8 +74,6 @@ class Search:
     progress: Callable[[], object]
     steps: int
     """At most, for the weights of each round."""
-    tested: bool
-    """Whether it is asked if something acts more than it may."""
 
     @property
     def hasty(self) -> bool:
@@ -158,46 +156,53 @@ class Search:
 class WorldFit(NamedTuple):
     """A fit in which all that acts is as large as the recording says."""
 
-    problem: Problem
+    search: Search
     found: Fitted
     expected: Fitted
     """That in which nothing is larger than it may be."""
     zeros: TakenForZero
     """What it takes for zero."""
-    freed: tuple[str, ...]
+    freed: tuple[str, ...] = ()
     """Families that are larger than they may be."""
 
 
-def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
+def fit_as_expected(search: Search) -> WorldFit:
+    """Let nothing be larger than it may be."""
+    search, first = _sized(search)
+    found = search.settled(first)
+    zeros = _zeros(search.problem, found.solution, False)
+    return WorldFit(search, found, found, zeros)
+
+
+def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     """Let a family be larger than it may be, where chance does not explain it.
 
     It may be taken for what is like it: that may then be as large.
 
     Args:
-        search: fits the recording.
+        fit: in which none is.
         excluded: families that are not tested.
     """
-    search, first = _sized(search)
-    found = expected = search.settled(first)
+    search, found = fit.search, fit.found
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
-    tested = search.tested and search.problem.t.size <= LONGEST
-    tested &= solution.converged or not (search.hasty and _bad(search.problem, cost))
-    if tested:
-        search = replace(search, problem=_predicting(search.problem, found))
-    zeros = _zeros(search.problem, solution, tested)
-    while tested and len(freed) < ROUNDS:
+    hopeless = search.hasty and _bad(search.problem, cost) and not solution.converged
+    if hopeless or search.problem.t.size > LONGEST:
+        return fit
+    search = replace(search, problem=_predicting(search.problem, found))
+    zeros = _zeros(search.problem, solution, True)
+    while len(freed) < ROUNDS:
         best = _best(search, zeros, cost, excluded)
         # At no least cost the next test would mean nothing.
         if best is None or not best[-1].converged:
             break
         family, search, solution = best
         freed, cost = (*freed, family), solution.cost
-        zeros = _zeros(search.problem, solution, tested)
+        zeros = _zeros(search.problem, solution, True)
     if freed:
         found = search.settled(lambda: solution)
-        zeros = _zeros(search.problem, found.solution, tested)
-    return WorldFit(search.problem, found, expected, zeros, freed)
+        zeros = _zeros(search.problem, found.solution, True)
+    return WorldFit(search, found, fit.expected, zeros, freed)
 
 
 def _predicting(problem: Problem, found: Fitted) -> Problem:

@@ -10,7 +10,7 @@ It has no momentum in the geometry that is declared. With joints elsewhere it ha
 the product of its own size and the change of geometry.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -145,23 +145,41 @@ class Problem(NamedTuple):
 
 def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     """Linearise all intervals and eliminate what belongs to one of them alone."""
-    factor, links, cost, residuals = _linearised(problem, weights, state, False)
-    tables = zip(SENSORS, residuals, strict=True)
-    seen = {name: table for name, table in tables if name in weights}
-    return Linear(factor, links, cost, seen, state)
+    at = _arguments(problem, weights, state)
+    factor, links, cost, residuals = _linearised(problem, at, False)
+    return Linear(factor, links, cost, _by_sensor(residuals, weights), state)
+
+
+def residuals_alone(problem: Problem, weights: BySensor, state: Unknowns) -> BySensor:
+    """Those of `linear`: how they change with what acts is not worked out."""
+    at = _arguments(problem, weights, state)
+    acts = state.selected >= problem.acting.first
+    table, own = at["acting"], state.common.size - acts.size
+    at["acting"] = np.delete(table, 1 + np.arange(np.count_nonzero(acts)), axis=2)
+    at["common"] = np.delete(state.common, own + np.flatnonzero(acts))
+    at["selected"] = state.selected[~acts]
+    *_, found = _linearised(problem, at, False)
+    return _by_sensor(found, weights)
+
+
+def _by_sensor(
+    tables: Sequence[Float[np.ndarray, "_ _"]], weights: BySensor
+) -> dict[str, Float[np.ndarray, "_ _"]]:
+    named = zip(SENSORS, tables, strict=True)
+    return {name: table for name, table in named if name in weights}
 
 
 def common_factor(
     problem: Problem, weights: BySensor, state: Unknowns
 ) -> Float[np.ndarray, "n n"]:
     """The same equations over `[g, rhs]`: all that they say of the common unknowns."""
-    factor, *_ = _linearised(problem, weights, state, True)
+    factor, *_ = _linearised(problem, _arguments(problem, weights, state), True)
     local = problem.recorded.local
     return factor[local:, local:]
 
 
 def _linearised(
-    problem: Problem, weights: BySensor, state: Unknowns, factor_only: bool
+    problem: Problem, at: Mapping[str, Any], factor_only: bool
 ) -> tuple[
     Float[np.ndarray, "n n"],
     Float[np.ndarray, "intervals local columns"],
@@ -169,10 +187,7 @@ def _linearised(
     list[Float[np.ndarray, "_ _"]],
 ]:
     return _core.linearised(
-        problem.recorded,
-        **_arguments(problem, weights, state),
-        threads=processors(),
-        factor_only=factor_only,
+        problem.recorded, **at, threads=processors(), factor_only=factor_only
     )
 
 
