@@ -47,10 +47,11 @@ from orbident.estimation.output_error.disturbance_sizes import (
     widened_by,
     with_densities,
 )
-from orbident.estimation.output_error.hypotheses import Search, fit_in_world
+from orbident.estimation.output_error.hypotheses import FEW_STEPS, Search, fit_in_world
 from orbident.estimation.output_error.joint_laws import (
     ENOUGH,
     LOOSE,
+    elsewhere,
     moving_alone,
     springs_of,
     what_is_carried_held,
@@ -186,7 +187,7 @@ class OutputError:
         if self.others is not None:
             beta = self.others.beta
             prior = with_others(prior, self.others, equations.declared)
-        by_cad = sets.beta(robot.theta)
+        by_cad, steps, tested = sets.beta(robot.theta), self.steps, self.tested
         # Linear fits are poor where a velocity is noisier than the motion.
         starts = [
             walked(equations, start_of(equations, samples, outside, at))
@@ -218,7 +219,14 @@ class OutputError:
                     )
                     for end in ends
                 ]
-                ends = [min(fits, key=lambda fit: fit.cost).state]
+                best = min(fits, key=lambda fit: fit.cost)
+                ends = [best.state]
+                # Where joints do not swing as declared, a fit of them ends nowhere.
+                if elsewhere(
+                    robot.passive, springs_of(robot, _calibration(part, best))
+                ):
+                    steps, tested = min(steps, FEW_STEPS), False
+                    break
             starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
         at_hand, shows = [], dict[str, float]()
         # Those of many samples are as good as they will be, and equations take long.
@@ -245,8 +253,8 @@ class OutputError:
             {name: each.least / each.std for name, each in sensors.by_name.items()},
             {name for name, each in sensors.by_name.items() if each.declared},
             step,
-            self.steps,
-            self.tested,
+            steps,
+            tested,
         )
 
 
