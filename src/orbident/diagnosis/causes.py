@@ -35,6 +35,7 @@ from orbident.estimation.checks import Check, worst
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.files.names import joined
@@ -87,6 +88,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         return
     if _of_the_scale(solved):
         # That is the cause: without a scale whatever is freed may seem to explain it.
+        return
+    if shown and elsewhere(problem.robot.passive, shown.springs):
+        # That is said, and whatever is tried fits no such robot, after a long search.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
     now = misfit_before(problem, shown) if shown else np.inf

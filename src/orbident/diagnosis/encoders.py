@@ -12,12 +12,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.optimize import fminbound
-from scipy.special import chdtri
 
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Numbers, Suspect
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import limit
+from orbident.estimation.levels import outstanding
 from orbident.estimation.momentum_problem import MomentumProblem
 
 SMALL = 1e-5
@@ -160,10 +159,8 @@ def _line_over(
     off = error - error.mean()
     power = np.abs(np.fft.rfft(np.bincount(place, off), size)) ** 2
     first = int(np.ceil(CYCLES * size / (place.max() + 1)))
-    # The power of noise is chi-square, and its median is known.
-    most = limit("ring", 2, power.size) / chdtri(2, 0.5)
     k = first + int(np.argmax(power[first:]))
-    if power[k] < most * np.median(power[first:]):
+    if power[k] < outstanding(1, power.size) * np.median(power[first:]):
         return None
     step = 1 / (size * width)
 

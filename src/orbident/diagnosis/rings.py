@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 from scipy.signal import bilinear, lfilter
-from scipy.special import chdtri
 
-from orbident.estimation.levels import limit
+from orbident.estimation.levels import limit, outstanding
 from orbident.estimation.signals import Signal, Signals
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia
@@ -150,14 +149,13 @@ def _line(x: Course) -> int | None:
     n, axes = x.shape
     windowed = np.hanning(n)[:, None] * x
     power = np.sum(np.abs(np.fft.rfft(windowed, axis=0)) ** 2, axis=1)
-    # The power of noise is chi-square, and its median is known.
-    most = limit("ring", 2 * axes, power.size) / chdtri(2 * axes, 0.5)
+    most = max(RISES, outstanding(axes, power.size))
     for k in CYCLES + np.argsort(-power[CYCLES:]):
         half = LOBE + int(DETUNED * k)
         around = power[k // 2 : k - half], power[k + half + 1 : 2 * k + 1]
         if power[k] < power[k - half : k + half + 1].max() or not around[1].size:
             continue
-        if power[k] > max(RISES, most) * max(map(np.median, around)):
+        if power[k] > most * max(map(np.median, around)):
             return int(k)
     return None
 

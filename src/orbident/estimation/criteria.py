@@ -14,6 +14,7 @@ from orbident.estimation.levels import ChiSquare
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.acting import LONGEST
+from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
     beside_nominal,
@@ -78,18 +79,18 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
         checks += _determined(problem, "phi", phi)
     if none:
         checks += [
-            *_convergence(estimate, shown),
-            *unsettled_weights(shown or estimate),
-            *residual_checks(problem, shown or estimate),
-            *_agreement(solved),
-            *mass_checks(problem, estimate, shown or estimate),
-            *positive_energy(problem, found.base),
             *what_swings(
                 robot.passive,
                 estimate.springs,
                 estimate.carried,
                 turned_by(robot, problem.samples.locked),
             ),
+            *_convergence(estimate, shown),
+            *unsettled_weights(shown or estimate),
+            *residual_checks(problem, shown or estimate),
+            *_agreement(solved),
+            *mass_checks(problem, estimate, shown or estimate),
+            *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_thrusters(shown or estimate),
@@ -187,7 +188,7 @@ def what_swings(
     carried: ChiSquare,
     turned: Mapping[str, str],
 ) -> Iterator[Check]:
-    """Whether passive joints carry what they may, and no two of them swing alike.
+    """Whether passive joints swing and carry as they may, and no two of them alike.
 
     What tells the parameters of two apart that do shows in second order, and deviations
     are of first order. Joints of one make are alike beforehand, and the motions of two
@@ -199,6 +200,16 @@ def what_swings(
         carried: how far what they carry is from what was known of it beforehand.
         turned: see `turned_by`.
     """
+    for name in elsewhere(passive, springs):
+        yield Check(
+            "what swings",
+            "do not trust",
+            f"joint '{name}' swings at {springs[name].frequency:.3g} Hz or does not "
+            f"bend at all: nothing near {passive[name].frequency:.3g} Hz explains the "
+            "recording",
+            "declare the frequency that a test shows; what is stiff is neither "
+            "'passive' nor 'flexible'",
+        )
     if carried.is_no_chance("other parameters"):
         yield Check(
             "what swings",

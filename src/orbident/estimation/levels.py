@@ -57,6 +57,18 @@ def limit(rule: Rule, numbers: int, among: int = 1) -> float:
     return float(chdtri(numbers, LEVELS[rule] / among))
 
 
+def outstanding(axes: int, frequencies: int) -> float:
+    """Times their median by which chance makes the power of no frequency larger.
+
+    The power of noise is chi-square, and its median is known.
+
+    Args:
+        axes: whose powers are added up.
+        frequencies: of the spectrum.
+    """
+    return limit("ring", 2 * axes, frequencies) / float(chdtri(2 * axes, 0.5))
+
+
 class ChiSquare(NamedTuple):
     """A sum of squares of white noise, if nothing else is in it."""
 

@@ -50,3 +50,15 @@ def test_what_they_carry_is_something_else():
     (check,) = what_swings(panels(0.3, 1.0), springs(0.3, 1.0), far, {})
     assert "not what their nominal inertias say: by 7 of the deviations" in check.reason
     assert "passive: JOINT: inertia" in check.remedy
+
+
+def test_what_is_stiff_swings_nowhere_near():
+    """Five deviations of 20 % are a factor of 2.7."""
+    stiff = springs(0.3, 2.9)
+    (check,) = what_swings(panels(0.3, 1.0), stiff, AS_KNOWN, {})
+    assert check.level == "do not trust"
+    assert "joint 'right' swings at 2.9 Hz or does not bend at all" in check.reason
+    assert "neither 'passive' nor 'flexible'" in check.remedy
+    assert not [*what_swings(panels(0.3, 1.0), springs(0.3, 2.5), AS_KNOWN, {})]
+    sure = {"left": Passive(0.3), "right": Passive(1.0, tolerance=0.0)}
+    assert not [*what_swings(sure, springs(0.3, 1.0), AS_KNOWN, {})]

@@ -48,6 +48,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import (
+    FEW_STEPS,
     Search,
     WorldFit,
     fit_as_expected,
@@ -56,6 +57,7 @@ from orbident.estimation.output_error.hypotheses import (
 from orbident.estimation.output_error.joint_laws import (
     ENOUGH,
     LOOSE,
+    elsewhere,
     moving_alone,
     springs_of,
     what_is_carried_held,
@@ -130,7 +132,7 @@ class OutputError:
         equations = equations._replace(shows=search.shows)
         made = partial(_estimate, problem, sensors, densities)
         fit = fit_as_expected(replace(search, problem=equations))
-        if self.tested:
+        if self.tested and not _elsewhere(fit.search.problem, fit.found.solution):
             return made(fit_in_world(fit, excluded))
         return replace(made(fit), tested=lambda: made(fit_in_world(fit, excluded)))
 
@@ -153,7 +155,7 @@ class OutputError:
         if self.others is not None:
             beta = self.others.beta
             prior = with_others(prior, self.others, equations.declared)
-        by_cad = sets.beta(robot.theta)
+        by_cad, steps = sets.beta(robot.theta), self.steps
         # Linear fits are poor where a velocity is noisier than the motion.
         starts = [
             walked(equations, start_of(equations, samples, outside, at))
@@ -185,7 +187,12 @@ class OutputError:
                     )
                     for end in ends
                 ]
-                ends = [min(fits, key=lambda fit: fit.cost).state]
+                best = min(fits, key=lambda fit: fit.cost)
+                ends = [best.state]
+                # Where joints do not swing as declared, a fit of them ends nowhere.
+                if _elsewhere(part, best):
+                    steps = min(steps, FEW_STEPS)
+                    break
             starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
         at_hand, shows = [], dict[str, float]()
         # Those of many samples are as good as they will be, and equations take long.
@@ -212,8 +219,15 @@ class OutputError:
             {name: each.least / each.std for name, each in sensors.by_name.items()},
             {name for name, each in sensors.by_name.items() if each.declared},
             step,
-            self.steps,
+            steps,
         )
+
+
+def _elsewhere(problem: Problem, solution: Solution) -> bool:
+    """Whether a joint does not swing as declared: then no test means anything."""
+    robot = problem.acting.followed.robot
+    springs = springs_of(robot, _calibration(problem, solution))
+    return bool(elsewhere(robot.passive, springs))
 
 
 def _estimate(

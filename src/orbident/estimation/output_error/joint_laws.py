@@ -11,11 +11,12 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.levels import ChiSquare
 from orbident.estimation.solution import OUTSIDE, Prior, Unknowns
 from orbident.estimation.unknowns import CalibrationFit, SpringFit
 from orbident.model.kinematics import carried_inertia
 from orbident.preprocessing.wrenches import Wrenches
-from orbident.robot.description import Robot
+from orbident.robot.description import Passive, Robot
 
 IDEAL = 1e-7
 """rad or m: what no spring explains moves a passive joint by so much in a period.
@@ -116,6 +117,27 @@ def springs_of(
         std = math.hypot(damping.std, rate.std)
         found[name] = SpringFit(frequency, frequency * rate.std, share, share * std)
     return found
+
+
+def elsewhere(
+    passive: Mapping[str, Passive], springs: Mapping[str, SpringFit]
+) -> list[str]:
+    """The joints that swing at another frequency than chance lets them.
+
+    Args:
+        passive: the joints, as the robot file has them.
+        springs: how they were found to swing.
+    """
+    squares = {
+        name: (math.log(fit.frequency / passive[name].frequency) / std) ** 2
+        for name, fit in springs.items()
+        if (std := passive[name].tolerance)
+    }
+    return [
+        name
+        for name, square in squares.items()
+        if ChiSquare(square, 1).is_no_chance("other parameters")
+    ]
 
 
 def longest_interval(robot: Robot, unexplained: float) -> float:

@@ -21,7 +21,7 @@ from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
 from orbident.estimation.output_error.walking_rates import free_running
 from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
-from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
+from orbident.estimation.solution import BySensor, Convergence, Solution
 from orbident.gaussian import OF_MEDIAN
 from orbident.recordings.long_recording import spare_memory
 from orbident.robot.description import Robot
@@ -166,7 +166,7 @@ def fitted(
         hasty: whether one round without a solution is enough.
     """
     solution = first()
-    assumed, unknowns = solution.cost, _unknowns(problem, solution.state)
+    assumed = solution.cost
     levels = dict.fromkeys(problem.weights, 1.0)
     rounds = lost = 0
     most = 1 if hasty else LOST
@@ -177,6 +177,7 @@ def fitted(
         taken += tuple(step._replace(round=rounds) for step in solution.convergence)
         lost = 0 if solution.converged else lost + 1
         before, levels, used, changed = levels, {}, {}, 0.0
+        unknowns = _unknowns(problem, solution)
         for name in problem.weights:
             levels[name], used[name] = _reweighed(
                 problem,
@@ -248,20 +249,40 @@ def _level(found: float, least: float, declared: bool) -> float:
     return 1.0 if declared and TAKEN < found < 1 else max(found, least)
 
 
-def _unknowns(problem: Problem, state: Unknowns) -> Mapping[str, float]:
+def _unknowns(problem: Problem, solution: Solution) -> Mapping[str, float]:
     """About how many each sensor's residuals were made small with.
 
-    Of the joints' corrections half: there are twice as many as their motion needs.
+    What is known beforehand of common unknowns makes no residual small: of `n`, with
+    the information `P` beforehand and the covariance `C`, samples tell `n - tr(P C)`
+    (Spiegelhalter 2002), each sensor of the base as many as it has samples.
     """
-    names = list(problem.weights)
-    base = len(names) - ("joints" in names)
-    share = (TURN_AND_BIASES + state.common.size) / max(base, 1)
-    return {
-        name: float(problem.weights[name].shape[1] * problem.boundaries.size)
-        if name == "joints"
-        else share
-        for name in names
+    n, prior, state = solution.state.common.size, solution.prior, solution.state
+    before = prior.added(np.zeros((n + 1, n + 1)), state)[:-1, :-1]
+    told = n - np.sum((before @ solution.covariance[-n:, -n:]) * before)
+    size = {name: np.count_nonzero(x) for name, x in problem.weights.items()}
+    size.pop("joints", None)
+    share = (TURN_AND_BIASES + told) / max(sum(size.values()), 1)
+    return {"joints": _of_encoders(problem, solution)} | {
+        name: share * samples for name, samples in size.items()
     }
+
+
+def _of_encoders(problem: Problem, solution: Solution) -> float:
+    """About how many corrections made residuals of encoders small.
+
+    A sample takes up the part of one that is its leverage, the variance of the position
+    over its own: where the base tells how joints moved, little. The meeting boundary
+    stands for all. Half of all is the most: they are twice as many as motion needs.
+    """
+    weights = solution.weights.get("joints")
+    if weights is None:
+        return 0.0
+    joints, local = problem.loose.corrected.astype(int), solution.linear.local
+    first = local - 2 * joints.size
+    variance = np.diag(solution.covariance)[first : local - joints.size]
+    samples = np.count_nonzero(weights, axis=0)[joints]
+    taken = samples * weights.max(axis=0)[joints] ** 2 * variance
+    return float(np.sum(np.minimum(taken, problem.boundaries.size)))
 
 
 def sensor_signals(

@@ -1,18 +1,37 @@
-"""What residuals say of the noise, on noise whose size is known."""
+"""What residuals say of the noise, on noise whose size is known.
+
+How many unknowns samples tell is what the logarithm of the information's determinant
+grows by, in closed form, as their weights do: `d ln|I| / d ln w^2 = tr(I^-1 w^2 A'A)`.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from small_problems import (
+    Small,
+    small_problem,
+    small_recording_in_space,
+    small_robot_in_space,
+)
 
 from orbident.estimation.output_error.noise_scaling import (
     HUBER,
     LEAST,
     Whitened,
+    _unknowns,
     change,
     reweighted,
     robust,
     whitened,
 )
+from orbident.estimation.output_error.problem import linear
+from orbident.estimation.output_error.shooting import TURN_AND_BIASES
+from orbident.estimation.output_error.solver import solution_at
+from orbident.estimation.solution import BySensor
+from orbident.recordings.recording import Recording
+from orbident.robot.sensor_schema import declared_sensors
 
 SAMPLES = 20000
 
@@ -79,3 +98,68 @@ def test_weights_of_less_noise():
     assert change(old, old) == 0.0
     assert change(old, old / 4) == pytest.approx(0.75)
     assert change(np.zeros((1, 1)), np.zeros((1, 1))) == 0.0
+
+
+def with_encoders(gyro: float) -> Small:
+    """Of a robot in space with noise of encoders, 0.1 mrad, and of its gyro, rad/s."""
+    robot, random = small_robot_in_space(), np.random.default_rng(0)
+    flown = small_recording_in_space(robot)
+    dt = float(np.median(np.diff(flown.t)))
+    noise = {
+        "gyro": {"angle_random_walk": gyro * dt**0.5},
+        "joints": {"position": 1e-4},
+    }
+    robot = replace(robot, sensors=declared_sensors({"rate": 1 / dt, **noise}))
+    std = {"gyro": gyro, "joint": 1e-4, "position": 1e-3, "velocity": 1e-3}
+    columns = {
+        name: x + std.get(name.partition(".")[0], 0.0) * random.standard_normal(x.size)
+        for name, x in flown.columns.items()
+        if not (name.startswith("joint.") and name.endswith("velocity"))
+    }
+    return small_problem(robot, Recording(flown.t, columns))
+
+
+def information(small: Small, weights: BySensor) -> float:
+    """The logarithm of its determinant."""
+    problem, prior, state, _ = small
+    here = linear(problem, weights, state)
+    own = slice(None, here.local)
+    eliminated = np.diagonal(here.links[:, own, own], axis1=1, axis2=2)
+    common = prior.added(here.common, state)[:-1, :-1]
+    parts = eliminated.ravel(), np.diag(here.factor)[own], np.diag(common)
+    return 2 * float(np.sum(np.log(np.abs(np.concatenate(parts)))))
+
+
+@pytest.mark.parametrize("gyro", [1e-5, 1e-3, 1e-1])
+def test_encoders_tell_what_the_base_does_not(gyro):
+    """A twentieth of what they tell where the gyro knows less."""
+    small, step = with_encoders(gyro), 0.01
+    problem, prior, state, _ = small
+    here = linear(problem, problem.weights, state)
+    solution = solution_at(state, here, prior, problem.weights, True, here.cost)
+    less, more = (
+        information(
+            small, {**problem.weights, "joints": by * problem.weights["joints"]}
+        )
+        for by in np.exp([-step / 2, step / 2])
+    )
+    exact = (more - less) / (2 * step)
+    # One boundary stands for all, and the ends of a recording are not as its middle.
+    assert _unknowns(problem, solution)["joints"] == pytest.approx(exact, rel=0.15)
+
+
+def test_what_is_known_beforehand_makes_no_residual_small():
+    """Of the unknowns of a recording those that are held count as none."""
+    problem, prior, state, _ = with_encoders(1e-3)
+    here = linear(problem, problem.weights, state)
+    told = []
+    for std in (prior.std, 1e-12 * prior.std):
+        held = prior._replace(std=std)
+        solution = solution_at(state, here, held, problem.weights, True, here.cost)
+        found = _unknowns(problem, solution)
+        del found["joints"]
+        shares = [found[x] / np.count_nonzero(problem.weights[x]) for x in found]
+        np.testing.assert_allclose(shares, shares[0])
+        told.append(sum(found.values()) - TURN_AND_BIASES)
+    # All but the momentum, which is known to be zero; and then nothing.
+    np.testing.assert_allclose(told, [state.common.size - 3, 0.0], atol=0.1)
