@@ -86,11 +86,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     if plain is not None:
         yield plain
         return
-    if _of_the_scale(solved):
-        # That is the cause: without a scale whatever is freed may seem to explain it.
-        return
-    if shown and elsewhere(problem.robot.passive, shown.springs):
-        # That is said, and whatever is tried fits no such robot, after a long search.
+    swings = shown and elsewhere(problem.robot.passive, shown.springs)
+    if swings or _of_the_scale(solved):
+        # That is said: with other joints, or without a scale, anything may explain it.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
     now = misfit_before(problem, shown) if shown else np.inf

@@ -8,8 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import NEEDS, WALKS
+from orbident.errors import InputError
 from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
+from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.joint_laws import HELD
 from orbident.estimation.output_error.problem import (
     NOTHING,
@@ -181,3 +184,31 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
     return Shared(state.beta, errors, left)
+
+
+def check_disturbances_show(problem: Problem) -> None:
+    """What the robot file names can be estimated from this recording.
+
+    Raises:
+        InputError: nothing of it shows, or the recording is too long for it.
+    """
+    followed, rows = problem.acting.followed, problem.t.size
+    names = [*(followed.robot.disturbances or ())]
+    walks = [name for name in followed.robot.said_to_act if name in WALKS]
+    if walks and rows > LONGEST:
+        raise InputError(
+            f"momentum that walks at random needs 20 kB a row by maximum likelihood, "
+            f"and the recording has {rows} rows of at most {LONGEST}; "
+            "declare momentum_walk and use --method structured"
+        )
+    if names and rows > LONGEST:
+        raise InputError(
+            f"{names[0]} is said to act, which takes 3 kB a row, and the recording has "
+            f"{rows} rows of at most {LONGEST}; use a part of it (--from, --to)"
+        )
+    every = {each.family for each in problem.acting.unknowns} if names else set()
+    for name in [each for each in names if each not in every]:
+        raise InputError(
+            f"disturbance '{name}' is asked for, and shows in no "
+            f"recording without {NEEDS[name]}; give that, or do not ask for it"
+        )

@@ -15,8 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.environment.agents import FREE, NEEDS, NOISE, SLOW, WALKS
-from orbident.errors import InputError
+from orbident.environment.agents import FREE, NOISE, SLOW
 from orbident.estimation.base_parameters import (
     BetaEstimate,
     beta_of_fits,
@@ -32,8 +31,8 @@ from orbident.estimation.estimate import (
 )
 from orbident.estimation.levels import ChiSquare
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.beforehand import (
+    check_disturbances_show,
     first_momentum,
     prior_of,
     shared_of,
@@ -294,34 +293,6 @@ def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     if problem.samples.unknown_thrust or robot.passive or not problem.scale_seen:
         return problem.sets.beta(robot.theta)
     return beta_of_fits(robot, problem.sets, problem.fits).values
-
-
-def check_disturbances_show(problem: Problem) -> None:
-    """What the robot file names can be estimated from this recording.
-
-    Raises:
-        InputError: nothing of it shows, or the recording is too long for it.
-    """
-    followed, rows = problem.acting.followed, problem.t.size
-    names = [*(followed.robot.disturbances or ())]
-    walks = [name for name in followed.robot.said_to_act if name in WALKS]
-    if walks and rows > LONGEST:
-        raise InputError(
-            f"momentum that walks at random needs 20 kB a row by maximum likelihood, "
-            f"and the recording has {rows} rows of at most {LONGEST}; "
-            "declare momentum_walk and use --method structured"
-        )
-    if names and rows > LONGEST:
-        raise InputError(
-            f"{names[0]} is said to act, which takes 3 kB a row, and the recording has "
-            f"{rows} rows of at most {LONGEST}; use a part of it (--from, --to)"
-        )
-    every = {each.family for each in problem.acting.unknowns} if names else set()
-    for name in [each for each in names if each not in every]:
-        raise InputError(
-            f"disturbance '{name}' is asked for, and shows in no "
-            f"recording without {NEEDS[name]}; give that, or do not ask for it"
-        )
 
 
 def _allowed(problem: Problem) -> dict[str, float]:
