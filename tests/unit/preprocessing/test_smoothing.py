@@ -288,3 +288,14 @@ def test_memory_does_not_hold_the_factors():
 def test_refusals(t, x, std, at, message):
     with pytest.raises(InputError, match=message):
         smooth(t, np.array(x, dtype=float)[:, None], std, at, "q")
+
+
+def test_a_column_that_was_changed_in_place_is_another_one():
+    """Roughness is known again by the samples, not by the array that holds them."""
+    t = np.arange(200) * 0.05
+    x = np.sin(t)[:, None] + 1e-3 * random().standard_normal((200, 1))
+    before = smooth(t, x).noise_std
+    x += 1e-1 * random(1).standard_normal((200, 1))
+    # The std of the std of 200 samples is 5 %.
+    assert smooth(t, x).noise_std == pytest.approx(0.1, rel=0.25)
+    assert before == pytest.approx(1e-3, rel=0.25)

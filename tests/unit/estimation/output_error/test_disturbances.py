@@ -23,7 +23,13 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.identify import identify
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem
+from orbident.estimation.output_error.problem import (
+    NO_ROWS,
+    SENSORS,
+    Problem,
+    linear,
+    residuals_alone,
+)
 from orbident.estimation.output_error.sensors import at_level
 from orbident.estimation.solution import Unknowns
 from orbident.estimation.unknowns import DisturbanceFit
@@ -215,3 +221,40 @@ def test_what_cannot_show_is_refused():
     recording = noisy(small_recording(small_robot()), 0)
     with pytest.raises(InputError, match=r"'air' is asked for.*flow\.x"):
         asked_for(recording, "air")
+
+
+def test_residuals_alone_are_those_of_the_equations():
+    """With torques, pulls and an error of an instrument that are not zero."""
+    robot = replace(small_robot_in_space(), disturbances={})
+    recording = noisy_in_space(small_recording_in_space(robot), 1)
+    problem, _, state, _ = small_problem(robot, recording)
+    acting = problem.acting.allowing({"slow_torque": 1e-3, "pull": 1e-3})
+    problem = problem._replace(acting=acting)
+    scale = problem.unknowns(["gyro.scale.x"])
+    places = np.array([each.place for each in (*scale, *problem.expected)])
+    sizes = 1e-3 * np.random.default_rng(1).standard_normal(places.size)
+    state = state.selecting(places)
+    state.common[-places.size :] = sizes
+    expected = linear(problem, problem.weights, state).residuals
+    found = residuals_alone(problem, problem.weights, state)
+    assert found.keys() == expected.keys()
+    assert places.size > len(scale)
+    for name, table in found.items():
+        np.testing.assert_array_equal(table, expected[name])
+
+
+@pytest.mark.parametrize("torque", [0.0, 0.02])
+def test_it_is_asked_later_as_well_as_at_once(torque: float):
+    """What acts on a fit of which that was not asked at first."""
+    robot = replace(with_sensors(small_robot()), disturbances={})
+    recording = noisy(under_a_couple(torque), 1)
+    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
+    at_once = OutputError().estimate(problem, lambda _: None)
+    first = OutputError(tested=False).estimate(problem, lambda _: None)
+    assert first.tested is not None
+    assert not first.disturbances
+    later = first.tested()
+    assert bool(later.unexpected) == bool(torque)
+    assert later.unexpected == at_once.unexpected
+    values = later.parameters.base.values
+    np.testing.assert_array_equal(values, at_once.parameters.base.values)
