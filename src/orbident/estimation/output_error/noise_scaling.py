@@ -249,7 +249,7 @@ def _level(found: float, least: float, declared: bool) -> float:
     return 1.0 if declared and TAKEN < found < 1 else max(found, least)
 
 
-def _unknowns(problem: Problem, solution: Solution) -> Mapping[str, float]:
+def _unknowns(problem: Problem, solution: Solution) -> dict[str, float]:
     """About how many each sensor's residuals were made small with.
 
     What is known beforehand of common unknowns makes no residual small: of `n`, with
@@ -258,7 +258,7 @@ def _unknowns(problem: Problem, solution: Solution) -> Mapping[str, float]:
     """
     n, prior, state = solution.state.common.size, solution.prior, solution.state
     before = prior.added(np.zeros((n + 1, n + 1)), state)[:-1, :-1]
-    told = n - np.sum((before @ solution.covariance[-n:, -n:]) * before)
+    told = n - float(np.sum((before @ solution.covariance[-n:, -n:]) * before))
     base = [name for name in problem.weights if name != "joints"]
     shares = dict.fromkeys(base, (TURN_AND_BIASES + told) / max(len(base), 1))
     return {"joints": _of_encoders(problem, solution)} | shares
