@@ -68,7 +68,7 @@ def floating(case: Swings, recording: Recording) -> np.ndarray:
 
 
 @pytest.mark.long
-# What a fit leaves of that at 10 Hz is no more than the noise of the gyro.
+# That at 10 Hz is no line beside what quick steps move below it.
 @pytest.mark.parametrize("name", [name for name in CASES if "10 Hz" not in name])
 def test_a_ring_is_named_with_its_frequency(tmp_path: Path, name: str):
     case, named = CASES[name](), 0

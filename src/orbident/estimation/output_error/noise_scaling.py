@@ -249,22 +249,19 @@ def _level(found: float, least: float, declared: bool) -> float:
     return 1.0 if declared and TAKEN < found < 1 else max(found, least)
 
 
-def _unknowns(problem: Problem, solution: Solution) -> Mapping[str, float]:
+def _unknowns(problem: Problem, solution: Solution) -> dict[str, float]:
     """About how many each sensor's residuals were made small with.
 
     What is known beforehand of common unknowns makes no residual small: of `n`, with
     the information `P` beforehand and the covariance `C`, samples tell `n - tr(P C)`
-    (Spiegelhalter 2002), each sensor of the base as many as it has samples.
+    (Spiegelhalter 2002), of which sensors of the base have even shares.
     """
     n, prior, state = solution.state.common.size, solution.prior, solution.state
     before = prior.added(np.zeros((n + 1, n + 1)), state)[:-1, :-1]
-    told = n - np.sum((before @ solution.covariance[-n:, -n:]) * before)
-    size = {name: np.count_nonzero(x) for name, x in problem.weights.items()}
-    size.pop("joints", None)
-    share = (TURN_AND_BIASES + told) / max(sum(size.values()), 1)
-    return {"joints": _of_encoders(problem, solution)} | {
-        name: share * samples for name, samples in size.items()
-    }
+    told = n - float(np.sum((before @ solution.covariance[-n:, -n:]) * before))
+    base = [name for name in problem.weights if name != "joints"]
+    shares = dict.fromkeys(base, (TURN_AND_BIASES + told) / max(len(base), 1))
+    return {"joints": _of_encoders(problem, solution)} | shares
 
 
 def _of_encoders(problem: Problem, solution: Solution) -> float:
