@@ -89,23 +89,16 @@ def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
     return (each for agent in AGENTS.values() for each in agent.columns(motion))
 
 
-AS_LARGE = {
-    group: {group, *(slow for slow, mean in STEADY.items() if mean == group)}
-    for group in AGENTS
-}
-"""Groups whose size each has: the mean of what changes slowly is as large."""
-
-
 def std_of(disturbance: Disturbance, allowed: Mapping[str, MayAct]) -> float:
     """The standard deviation beforehand of one number of what acts, in its unit.
 
     Args:
         disturbance: of an agent.
-        allowed: what may act, by group.
+        allowed: what may act, by group; the mean of what changes slowly is as large.
     """
     group, share = disturbance.group, disturbance.std
     if group in WALKS:
         return share
-    known = AS_LARGE[group] & allowed.keys()
-    size = max((allowed[each].size for each in known), default=0.0)
+    groups = {group} | {slow for slow, mean in STEADY.items() if mean == group}
+    size = max((allowed[each].size for each in groups & allowed.keys()), default=0.0)
     return min(size * share, FREE)
