@@ -1,9 +1,7 @@
-"""Signs, units, orders and axes: all that people write differently.
+"""Signs, units, orders, axes and zeros: all that people write differently.
 
-What is put right is the samples that were derived from a recording, but for the
-attitude, which gyro and base rate are fused with.
-
-Ways to write what others write differently: signs, degrees, order of columns.
+Each is put right in the recording; or, to score it quickly, in the samples that were
+derived from it, where no other samples depend on it.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -318,7 +316,7 @@ def _from_inertial_axes(R_WB: Rotation, w: Rates) -> Rates:
 
 
 def _from_euler_rates(R_WB: Rotation, rates: Rates) -> Rates:
-    """By rates of roll, pitch and yaw, each about its own axis.
+    """The rates of the base whose roll, pitch and yaw change at these rates.
 
     The base turns by yaw about `z`, then by pitch about `y`, then by roll about `x`.
     """

@@ -1,4 +1,4 @@
-"""Suspects beside the robot file: inertial axes, unknown wheels, outer torques."""
+"""Suspects beside the robot file: axes, unknown wheels, torques, points of links."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -179,7 +179,7 @@ class Estimate(BesideParameters):
     given: Callable[[], OutsideMomentum | None] = lambda: None
     """What acted from outside has given to the momenta, where something did."""
     tested: "Callable[[], Estimate] | None" = None
-    """The same fit, asked what acts more than it may, where it was not."""
+    """Asks this fit what acts more than it may; None where that was asked."""
 
 
 @runtime_checkable

@@ -101,7 +101,7 @@ def test_weights_of_less_noise():
 
 
 def with_encoders(gyro: float) -> Small:
-    """Of a robot in space with noise of encoders, 0.1 mrad, and of its gyro, rad/s."""
+    """A recording in space: noise of encoders 0.1 mrad, that of the gyro in rad/s."""
     robot, random = small_robot_in_space(), np.random.default_rng(0)
     flown = small_recording_in_space(robot)
     dt = float(np.median(np.diff(flown.t)))
@@ -149,7 +149,7 @@ def test_encoders_tell_what_the_base_does_not(gyro):
 
 
 def test_what_is_known_beforehand_makes_no_residual_small():
-    """Of the unknowns of a recording those that are held count as none."""
+    """Unknowns of a recording that are held make no residual smaller."""
     problem, prior, state, _ = with_encoders(1e-3)
     here = linear(problem, problem.weights, state)
     told = []
