@@ -66,4 +66,5 @@ def numbers(problem: MomentumProblem, suspect: Suspect) -> np.ndarray:
     """Those of a suspect that explain most, to first order."""
     solution = fitted(problem).solution
     assert solution is not None
-    return Scores(problem, solution).of(suspect).values
+    (found,) = Scores(problem, solution).of([suspect])
+    return found.values

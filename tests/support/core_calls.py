@@ -190,12 +190,16 @@ def _excitation(
 
 
 def _output_error(calls: Calls, robot: Robot) -> None:
-    names = ("Recorded", "linearised", "interval_equations", "boundaries")
+    names = (
+        *("Recorded", "linearised", "changes_factor"),
+        *("interval_equations", "boundaries"),
+    )
 
     def run() -> None:
         segment = segment_of(robot, 3, rows=8, intervals=2)
         segment.equations(*SENSORS)
         found = segment.eliminated(THREADS)
         found.step(np.zeros(len(segment.state.common)))
+        segment.changed([segment_of(robot, 4, rows=8, intervals=2)], THREADS)
 
     calls.watch(names, run)

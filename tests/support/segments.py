@@ -52,6 +52,19 @@ class Segment(NamedTuple):
         residuals: dict[str, np.ndarray] = dict(zip(SENSORS, tables, strict=True))
         return Linear(factor, links, cost, residuals, self.state)
 
+    def changed(self, others: Sequence["Segment"], threads: int = 1) -> np.ndarray:
+        """The factor with a column for each of other segments, as if changed by one."""
+        at = self._at(None, *SENSORS)
+        own = at["acting"], self.state.common, self.state.selected
+        every = [(each.recorded, *own) for each in others]
+        return _core.changes_factor(
+            self.recorded,
+            **at,
+            changed=every,
+            sizes=np.ones(len(every)),
+            threads=threads,
+        )
+
     def _at(self, state: Unknowns | None, *sensors: str) -> dict[str, Any]:
         weights = [
             self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS

@@ -88,6 +88,7 @@ class OwnedSweep {
     at.known = take(std::ptrdiff_t(all.local()) * n);
     at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting + 3 + K) * n);
     at.continuity = take(std::ptrdiff_t(BIASES + 2 * P) * n);
+    at.encoders = take(std::ptrdiff_t(joint_width(all) + BLOCK) * joint_width(all));
     if (!all.own()) return;
     PassiveMemory& own = interval.own;
     own.places = places_.all;

@@ -2,13 +2,32 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
 #include <vector>
 
 #include "linearisation.hpp"
+#include "orbident/changes.hpp"
 #include "orbident/parallel.hpp"
 
 namespace orbident::python {
 namespace {
+
+// Whether two recordings give equations row by row.
+bool alike(const Recorded& one, const Recorded& other) {
+  const auto sensors = [](const Recorded& all) {
+    return std::array{all.gyro.values != nullptr,     all.accelerometer.values != nullptr,
+                      all.attitude.values != nullptr, all.joints.values != nullptr,
+                      all.position.values != nullptr, all.velocity.values != nullptr,
+                      all.torques.values != nullptr};
+  };
+  return one.rows == other.rows && one.intervals == other.intervals &&
+         std::equal(one.edge, one.edge + one.intervals, other.edge) &&
+         one.tree.joints == other.tree.joints && one.local() == other.local() &&
+         one.springs == other.springs && sensors(one) == sensors(other);
+}
 
 auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
                 const Array& coloured, const Array& acting, const Array& x_WB, const Array& local,
@@ -34,6 +53,59 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
   return std::make_tuple(factor.give(), links.give(), cost[0] + cost[1], residuals);
 }
 
+// Of a changed recording: it, what acts on it, the common unknowns and which of them are selected.
+using Changed = std::tuple<const OwnedRecorded*, Array, Array, Array>;
+
+auto changes_factor(const OwnedRecorded& owned, const std::vector<Array>& weights,
+                    const Array& coloured, const Array& acting, const Array& x_WB,
+                    const Array& local, const Array& common, const Array& selected,
+                    const std::vector<Changed>& changed, const Array& sizes_, int threads) {
+  Call call(owned, weights, coloured, acting, x_WB, local, common, selected, false);
+  const std::size_t count = changed.size();
+  const auto sizes = input<1>("sizes", sizes_, {static_cast<std::int64_t>(count)});
+  std::vector<std::unique_ptr<Call>> calls;
+  for (const auto& [other, acts, values, chosen] : changed) {
+    calls.push_back(std::make_unique<Call>(*other, weights, coloured, acts, x_WB, local, values,
+                                           chosen, false));
+    if (!alike(call.recorded, calls.back()->recorded))
+      throw nb::value_error("changed: a recording has other rows, intervals or sensors");
+  }
+  Recorded& all = call.recorded;
+  std::vector<std::vector<double>> sides(count);
+  std::vector<const double*> each(count);
+  std::vector<std::ptrdiff_t> first;
+  std::vector<double> changed_by(sizes.data(), sizes.data() + count);
+  all.changes = {static_cast<int>(count), each.data(), changed_by.data(), nullptr};
+  const std::int64_t left = all.width() - all.local();
+  Out<2> factor(left, left);
+  {
+    nb::gil_scoped_release release;
+    parallel_for(static_cast<std::ptrdiff_t>(count), threads,
+                 [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+        OwnedSweep memory(calls[k]->recorded, calls[k]->selected);
+        auto begins = right_hand_sides(calls[k]->recorded, calls[k]->at(), memory.at, sides[k]);
+        if (!std::all_of(sides[k].begin(), sides[k].end(),
+                         [](double x) { return std::isfinite(x); })) {
+          // What overflows says nothing.
+          std::fill(sides[k].begin(), sides[k].end(), 0.0);
+          changed_by[k] = std::numeric_limits<double>::infinity();
+        }
+        each[k] = sides[k].data();
+        if (k == 0) first = std::move(begins);
+      }
+    }, 1);
+    all.changes.first = first.data();
+    OwnedSweep forward(all, call.selected), backward(all, call.selected);
+    parallel_for(2, threads, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t k = begin; k < end; ++k)
+        sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at, nullptr);
+    }, 1);
+    join(all, forward.at, backward.at, factor.data());
+  }
+  return factor.give();
+}
+
 // The equations of one interval over [z start | z end | g | right-hand side].
 auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
                         const Array& coloured, const Array& acting, const Array& x_WB,
@@ -45,11 +117,9 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all, call.selected);
-  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), all.momentum, 0, 0.0};
-  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(),
-                           all.momentum,         0, 0.0};
+  EquationTable sensed = memory.at.sensed(all, true), continuity = memory.at.continued(all, true);
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
-  add_encoders(all, call.at(), interval, true, memory.at.R);
+  add_encoders(all, call.at(), interval, true, 0, memory.at.encoders, memory.at.R);
   Out<2> table(sensed.rows + continuity.rows + 2 * L, width);
   double* to = table.data();
   for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},
@@ -167,6 +237,13 @@ void bind_output_error(nb::module_& m) {
         "attitude and position, by axis, what lasts: std, time, walk and walk of its rate. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
+  m.def("changes_factor", &changes_factor, nb::arg("recorded"), nb::kw_only(), nb::arg("weights"),
+        nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
+        nb::arg("common"), nb::arg("selected"), nb::arg("changed"), nb::arg("sizes"),
+        nb::arg("threads") = 1,
+        "The factor of `linearised` with a column for each of `changed` before the last: "
+        "recordings that differ by `sizes`, each with its own `acting`, `common` and `selected` "
+        "at the same state.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::kw_only(),
         nb::arg("weights"), nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"),
         nb::arg("local"), nb::arg("common"), nb::arg("selected"), nb::arg("interval"),

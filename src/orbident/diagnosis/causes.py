@@ -29,10 +29,10 @@ from orbident.diagnosis.noisier_sensors import (
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.trial import Rival, Trial, amended_trial, misfit_before
+from orbident.diagnosis.trial import Rival, Trial, amended_trial, as_expected
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check, worst
-from orbident.estimation.clock_search import WORTH
+from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.joint_laws import elsewhere
@@ -91,7 +91,8 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         # That is said: with other joints, or without a scale, anything may explain it.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
-    now = misfit_before(problem, shown) if shown else np.inf
+    usual = as_expected(problem, shown) if shown else None
+    now = misfit(usual) if usual else np.inf
     jumped = [_sure(one, now) for one in jumps(problem, shown, now)] if shown else []
     if any(one.accepted for one in jumped):
         yield _explained(min(jumped, key=_rank), now)
@@ -101,9 +102,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
     if plain and wrong.residuals_alone > FALLS:
         yield wrong.check()
-    elif shown:
+    elif usual:
         # That parameters are of a likelier sign is not enough where it can be tried.
-        yield from _by_trials(solved, shown, conventions, jumped, now, end)
+        yield from _by_trials(solved, usual, conventions, jumped, end)
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
@@ -156,20 +157,22 @@ def _fits(problem: MomentumProblem, shown: Estimate) -> bool:
 
 def _by_trials(
     solved: Solved,
-    shown: Estimate,
+    usual: Estimate,
     conventions: list[CorrectedConvention],
     jumped: list[Trial],
-    now: float,
     end: float,
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
+    shown, now = solved.shown or usual, misfit(usual)
     corrected = already_corrected(solved.problem)
     before = corrected.before.misfit if corrected else now
     if corrected and before < now and corrected.before.estimate:
         # Clocks seemed late because of what is looked for.
-        shown, now = corrected.before.estimate, before
-        solved = solved._replace(problem=corrected.recorded, shown=shown)
-    trials = [*jumped, *_tried(solved, conventions, before, end)]
+        shown = usual = corrected.before.estimate
+        now = before
+        solved = solved._replace(problem=corrected.recorded)
+    compared = solved._replace(shown=usual)
+    trials = [*jumped, *_tried(compared, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
     best = _best(trials, before)

@@ -184,9 +184,6 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
             )
             euler = "the gyro shows rates of Euler angles (roll, pitch and yaw)"
             yield Convention(euler, partial(_gyro_by, body_rates=_from_euler_rates))
-    if recording.has("accelerometer.x"):
-        in_g = "the accelerometer is in g, and not in m/s^2"
-        yield _times("accelerometer", GRAVITY, in_g)
     point = "velocity" if recording.has("velocity.x") else "position"
     if problem.samples.v_S:
         yield from _turned(robot, point, "v_S")
@@ -199,6 +196,29 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
         cause = f"the time is in {unit}, not in s"
         quickly = scaled(_rates(problem), 1 / size)
         yield Convention(cause, partial(_slower, size=size), quickly)
+
+
+def felt_alone(problem: MomentumProblem) -> MomentumProblem | None:
+    """The problem without other sensors of the motion of S than an accelerometer.
+
+    Beside these the linear equations do not use it. None without an accelerometer.
+    """
+    recording = problem.recording
+    if not recording.has("accelerometer.x"):
+        return None
+    others = ("position.", "velocity.")
+    columns = {
+        name: x for name, x in recording.columns.items() if not name.startswith(others)
+    }
+    if len(columns) == len(recording.columns):
+        return problem
+    return problem.amended(recording=replace(recording, columns=columns))
+
+
+def of_accelerometer() -> Convention:
+    """What it may show in another unit."""
+    in_g = "the accelerometer is in g, and not in m/s^2"
+    return _times("accelerometer", GRAVITY, in_g)
 
 
 def _slower(problem: MomentumProblem, size: float) -> Recording:

@@ -66,7 +66,7 @@ def jumps(problem: MomentumProblem, shown: Estimate, before: float) -> Iterator[
         sensor = slow[0].sensor
         rows = [jump.row for jump in slow if jump.sensor == sensor]
         suspect = jumping(problem, sensor, rows[:MOST])
-        first = Scores(problem, shown.solution).of(suspect)
+        (first,) = Scores(problem, shown.solution).of([suspect])
         if first.values.size:
             trials = tried(problem, suspect, first, before)
             yield from (one._replace(seen=True) for one in trials)

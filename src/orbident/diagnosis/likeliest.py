@@ -50,13 +50,12 @@ def every_score(solved: Solved, before: float) -> Iterator[Scored]:
     price = np.log(problem.samples.t.size)
     table = shown.sensitivity()
     driven = joints_with_torques(problem.robot, problem.recording)
-    scores = Scores(problem, shown.solution)
     for kind in kinds(problem.robot, problem.samples.wrenches, driven):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size
             yield Scored(gain, f"{kind} is off", partial(freed, problem, kind))
-    for suspect in (
+    suspects = (
         *beside(problem),
         *steps(problem, shown),
         *drifts(problem),
@@ -65,8 +64,9 @@ def every_score(solved: Solved, before: float) -> Iterator[Scored]:
         *fast_clocks(problem),
         *filters(problem),
         *curved_scales(problem),
-    ):
-        first = scores.of(suspect)
+    )
+    scores = Scores(problem, shown.solution).of(suspects)
+    for suspect, first in zip(suspects, scores, strict=True):
         gain = first.fall - price * first.values.size
         if first.values.size and np.abs(first.values).max() <= suspect.most:
             put = partial(tried, problem, suspect, first, before)

@@ -5,7 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.conventions import Convention, conventions
+from orbident.diagnosis.conventions import (
+    Convention,
+    conventions,
+    felt_alone,
+    of_accelerometer,
+)
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import whiteness
@@ -77,14 +82,9 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     A later one counts only where it is plainly better than all before.
     """
     part = problem.beginning(ROWS)
-    before = _left(part, part.fits)
-    found = []
-    for convention in conventions(part):
-        left = _misfit(part, convention)
-        falls = before.misfit / left.misfit if left.misfit > 0 else 0.0
-        alone = before.residuals / left.residuals if left.residuals > 0 else 0.0
-        falls = falls if alone > HARDLY else min(falls, alone)
-        found.append(CorrectedConvention(convention, falls, alone))
+    felt = felt_alone(part)
+    found = [_corrected(part, one) for one in conventions(part)]
+    found += [_corrected(felt, of_accelerometer())] if felt else []
     best, worth = 0.0, {}
     for k, one in enumerate(found):
         if one.falls > PLAINLY * best:
@@ -93,6 +93,15 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     others = [one for k, one in enumerate(found) if k not in worth]
     first = sorted(worth.values(), key=lambda one: -one.falls)
     return [*first[:1], *sorted([*first[1:], *others], key=lambda one: -one.falls)]
+
+
+def _corrected(part: MomentumProblem, convention: Convention) -> CorrectedConvention:
+    """What putting it right brings."""
+    before, left = _left(part, part.fits), _misfit(part, convention)
+    falls = before.misfit / left.misfit if left.misfit > 0 else 0.0
+    alone = before.residuals / left.residuals if left.residuals > 0 else 0.0
+    falls = falls if alone > HARDLY else min(falls, alone)
+    return CorrectedConvention(convention, falls, alone)
 
 
 def plain_mistake(problem: MomentumProblem) -> list[Check]:

@@ -1,13 +1,14 @@
 """Suspects: what may be wrong by some numbers, and how much that would explain.
 
-At the best fit every other unknown follows a small change `c` of the suspect to first
-order, so the whitened residuals that are left, `r(c) = r + D c`, are known after one
-more linearisation for each number. The sum of their squares would fall by that of the
-part of `r` in the span of `D` (score test).
+At the best fit the whitened residuals change in proportion to a small change `c` of a
+suspect: `c` is one unknown more, whose column is what the recording, changed by it,
+would leave, less what it leaves as it is. With all other unknowns eliminated,
+`R c = z` is left, and the sum of squares would fall by that of the part of `z` in the
+span of `R` (score test).
 """
 
-from collections.abc import Callable, Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator, Sequence
+from itertools import starmap
 from typing import NamedTuple
 
 import numpy as np
@@ -17,12 +18,11 @@ from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.acting import Acting, Followed
+from orbident.estimation.output_error.acting import Acting
 from orbident.estimation.output_error.problem import (
     Problem,
-    linear,
+    changes_factor,
     problem_of,
-    residuals_alone,
 )
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
@@ -36,6 +36,7 @@ SETTLED = 0.3
 """Deviations: a change of the guess that is less brings nothing."""
 
 Numbers = Float[np.ndarray, " numbers"]
+Places = Float[np.ndarray, " selected"]
 
 
 class Suspect(NamedTuple):
@@ -65,54 +66,70 @@ class Scores:
             solution: its best fit.
         """
         self.problem, self.solution = problem, solution
-        # What acts from outside follows the motion as it was recorded.
-        self.followed = _equations(problem).acting.followed
+        self.equations = _equations(problem)
 
-    def of(self, suspect: Suspect) -> Score:
-        """The numbers that lower the sum of squares most, to first order."""
-        # What overflows has no score.
-        with np.errstate(all="ignore"):
-            try:
-                moved = [
-                    self._left(suspect.corrected(self.problem, c))
-                    for c in np.diag(suspect.small)
-                ]
-            except (InputError, np.linalg.LinAlgError):
-                return NOTHING
-            D = np.column_stack([x - self.left for x in moved]) / suspect.small
-            sized = np.linalg.norm(D, axis=0)
-        if not np.isfinite(sized).all() or not sized.any():
-            return NOTHING
-        return score(D, -self.left)
+    def of(self, suspects: Sequence[Suspect]) -> list[Score]:
+        """For each the numbers that lower the sum of squares most, to first order."""
+        changed = [self._changed(suspect) for suspect in suspects]
+        every = [one for some in changed for one in some]
+        sizes = [
+            suspect.small
+            for suspect, some in zip(suspects, changed, strict=True)
+            if some
+        ]
+        if not every:
+            return [NOTHING for _ in suspects]
+        left = self._left(every, np.concatenate(sizes))
+        ends = np.cumsum([len(some) for some in changed])
+        return [
+            _score(left[:, end - len(some) : end], left[:, -1])
+            for some, end in zip(changed, ends, strict=True)
+        ]
 
-    @cached_property
-    def left(self) -> Float[np.ndarray, " n"]:
-        """The residuals as they are."""
-        return self._left(self.problem)
-
-    def _left(self, changed: MomentumProblem) -> Float[np.ndarray, " n"]:
-        """The whitened residuals of all sensors where all else follows."""
-        solution = self.solution
-        equations = _equations(changed, self.followed)
-        # The places of calibrations are others where there are other wheels.
-        every = (*equations.declared, *equations.acting.expected)
-        places = np.array([x.place for x in every if x.name in solution.names])
-        same = equations.boundaries.size == len(solution.state.x_WB)
-        same &= all(len(x) == equations.t.size for x in solution.weights.values())
-        if not same or places.size != solution.state.selected.size:
-            raise InputError("other rows, intervals or errors: not comparable")
-        state = solution.state._replace(selected=places)
-        here = linear(equations, solution.weights, state)
-        # After one step of all other unknowns.
-        factor = solution.prior.added(here.common, state)
-        g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
-        there = residuals_alone(
-            equations, solution.weights, state.moved(here.step(g), g)
+    def _left(
+        self, changed: list[tuple[Problem, Places]], sizes: Numbers
+    ) -> Float[np.ndarray, "numbers columns"]:
+        """`[R, z]` of all numbers, after the equations of all other unknowns."""
+        state, prior = self.solution.state, self.solution.prior
+        state = state._replace(selected=self._places(self.equations))
+        factor = changes_factor(
+            self.equations, self.solution.weights, state, changed, sizes
         )
-        return np.concatenate([table.ravel() for table in there.values()])
+        n = sizes.size
+        free = state.selecting(np.zeros(n))
+        factor = prior.extended(np.full(n, np.inf)).added(factor, free)
+        return factor[-1 - n : -1, -1 - n :]
+
+    def _changed(self, suspect: Suspect) -> list[tuple[Problem, Places]]:
+        """The equations with each number changed; none if these cannot be compared."""
+        try:
+            every = [
+                _equations(suspect.corrected(self.problem, c), self.equations)
+                for c in np.diag(suspect.small)
+            ]
+        except (InputError, np.linalg.LinAlgError):
+            return []
+        changed = [(each, self._places(each)) for each in every]
+        return changed if all(starmap(self._comparable, changed)) else []
+
+    def _comparable(self, equations: Problem, places: Places) -> bool:
+        """Whether rows, intervals and errors are the same."""
+        solution = self.solution
+        same = np.array_equal(equations.boundaries, self.equations.boundaries)
+        same &= all(len(x) == equations.t.size for x in solution.weights.values())
+        return bool(same and places.size == solution.state.selected.size)
+
+    def _places(self, equations: Problem) -> Places:
+        """Where the solution's errors and disturbances are where wheels are others."""
+        every = (*equations.declared, *equations.acting.expected)
+        return np.array([x.place for x in every if x.name in self.solution.names])
 
 
-def _equations(problem: MomentumProblem, followed: Followed | None = None) -> Problem:
+def _score(R: Float[np.ndarray, "n numbers"], z: Float[np.ndarray, " n"]) -> Score:
+    return score(R, z) if np.isfinite(R).all() and R.any() else NOTHING
+
+
+def _equations(problem: MomentumProblem, along: Problem | None = None) -> Problem:
     """The equations of a problem, with what acts along another motion if one is given.
 
     Small changes of a sensor hardly change what acts, and working that out takes long.
@@ -121,11 +138,11 @@ def _equations(problem: MomentumProblem, followed: Followed | None = None) -> Pr
     late = delays(robot, problem.recording, problem.late)
     sensors = sensors_of(robot, problem.recording, late, problem.samples.speeds)
     equations = problem_of(robot, problem.sets, problem.samples, sensors)
-    if followed is None:
+    if along is None:
         return equations
     acting = equations.acting
-    along = Acting(followed, acting.first, acting.allowed)
-    return equations._replace(acting=along)
+    followed = Acting(along.acting.followed, acting.first, acting.allowed)
+    return equations._replace(acting=followed)
 
 
 def tried(
@@ -158,7 +175,7 @@ def tried(
         # Scores are of a best fit.
         if found.lost:
             break
-        more = Scores(right, found.estimate.solution).of(suspect)
+        (more,) = Scores(right, found.estimate.solution).of([suspect])
         if not more.fall or np.all(abs(more.values) < SETTLED * more.std):
             break
         numbers = numbers + more.values

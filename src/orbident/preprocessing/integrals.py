@@ -23,6 +23,9 @@ from orbident.errors import InputError
 from orbident.model.rotations import UNTURNED
 from orbident.robot.sensor_schema import GyroSpec
 
+AT_ONCE = 100_000
+"""Samples of splines that are made at once: some 10 MB."""
+
 GAUSS = np.sqrt(3) / 6
 """The part of a step from its middle to each of the two Gauss points."""
 
@@ -166,13 +169,14 @@ def _integral(
     """
     inside = np.clip(at, t[0], t[-1])
     before, after = np.minimum(at - t[0], 0), np.maximum(at - t[-1], 0)
-    # A column lies together, and splines are made one by one: they take much memory.
-    integrals = np.empty((rate.shape[1], at.size))
-    for integral, column in zip(integrals, rate.T, strict=True):
-        integral[:] = CubicSpline(t, column).antiderivative()(inside)
-        integral += before * column[0] + after * column[-1]
-        integral -= integral[0]
-    return integrals.T
+    # Splines of many samples take much memory: so many columns at once.
+    integrals, some = np.empty((at.size, rate.shape[1])), max(AT_ONCE // t.size, 1)
+    for first in range(0, rate.shape[1], some):
+        columns = rate[:, first : first + some]
+        integral = CubicSpline(t, columns).antiderivative()(inside)
+        integral += np.outer(before, columns[0]) + np.outer(after, columns[-1])
+        integrals[:, first : first + some] = integral - integral[0]
+    return integrals
 
 
 def span_of(measured: Bool[np.ndarray, " n"]) -> slice:

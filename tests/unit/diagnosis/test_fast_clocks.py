@@ -38,7 +38,8 @@ def test_a_clock_that_runs_fast(sensor: str):
     )
     solution = fitted(problem).solution
     assert solution is not None
-    found = Scores(problem, solution).of(suspect).values
+    (score,) = Scores(problem, solution).of([suspect])
+    found = score.values
     # The end of a recording is 60 ms late, which shows in second order too.
     np.testing.assert_allclose(found[0], RATE, rtol=0.15)
 

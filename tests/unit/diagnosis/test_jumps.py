@@ -29,7 +29,7 @@ def test_a_gyro_that_jumps_by_less_than_it_shows():
     assert [*jumps(problem, shown, np.inf)] == []
     suspect = next(each for each in steps(problem, shown) if "gyro" in each.words(ONES))
     assert shown.solution is not None
-    first = Scores(problem, shown.solution).of(suspect)
+    (first,) = Scores(problem, shown.solution).of([suspect])
     assert "t = 15 s" in suspect.words(first.values)
     far = 5 * first.std.max()
     np.testing.assert_allclose(first.values, [0.0, 5e-4, 0.0], atol=far)
@@ -52,5 +52,5 @@ def test_a_position_that_jumps():
     problem = with_recording(less(recording, "position", -error))
     solution = fitted(problem).solution
     assert solution is not None
-    found = Scores(problem, solution).of(jumping(problem, "position", [120]))
+    (found,) = Scores(problem, solution).of([jumping(problem, "position", [120])])
     np.testing.assert_allclose(found.values, [0.0, 0.01, 0.0], atol=1e-3)

@@ -12,15 +12,59 @@ from orbident.diagnosis.frames import beside, missing_wheel, point_of_a_link
 from orbident.diagnosis.shifts import curved_scales
 from orbident.diagnosis.suspects import Scores, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
-from orbident.estimation.unknowns import Score
+from orbident.estimation.output_error.problem import Problem, linear, problem_of
+from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.solution import Solution
+from orbident.estimation.unknowns import Score, score
 from orbident.model.kinematics import poses
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
     solution = fitted(problem).solution
     assert solution is not None
-    scores = [(each, Scores(problem, solution).of(each)) for each in suspects]
+    every = [*suspects]
+    scores = zip(every, Scores(problem, solution).of(every), strict=True)
     return max(scores, key=lambda one: one[1].fall)
+
+
+def test_scores_are_those_of_a_step_of_all_else():
+    """Beside the plain way: every changed recording is linearised, all other unknowns
+    take one step, and what is left is compared."""
+    x = clean().recording.columns["position.x"]
+    problem = problem_with({"position.x": lambda _: 1.0003 * x + 1e-3})
+    solution = fitted(problem).solution
+    assert solution is not None
+    suspects = [*beside(problem), *filters(problem), *curved_scales(problem)]
+    scores = Scores(problem, solution)
+    before = left(scores.equations, solution)
+    for suspect, found in zip(suspects, scores.of(suspects), strict=True):
+        D = np.column_stack(
+            [
+                left(equations_of(suspect.corrected(problem, c)), solution) - before
+                for c in np.diag(suspect.small)
+            ]
+        )
+        plain = score(D / suspect.small, -before)
+        np.testing.assert_allclose(found.fall, plain.fall, rtol=0.01, atol=0.05)
+        np.testing.assert_allclose(found.std, plain.std, rtol=0.01)
+        off = np.abs(found.values - plain.values) / plain.std
+        assert off.max() < 0.01 * np.sqrt(plain.fall) + 0.05
+
+
+def equations_of(problem: MomentumProblem) -> Problem:
+    robot, samples = problem.robot, problem.samples
+    sensors = sensors_of(robot, problem.recording, {}, samples.speeds)
+    return problem_of(robot, problem.sets, samples, sensors)
+
+
+def left(equations: Problem, solution: Solution) -> np.ndarray:
+    """Residuals of all sensors after one step of all unknowns."""
+    state, weights = solution.state, solution.weights
+    here = linear(equations, weights, state)
+    factor = solution.prior.added(here.common, state)
+    g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
+    there = linear(equations, weights, state.moved(here.step(g), g)).residuals
+    return np.concatenate([table.ravel() for table in there.values()])
 
 
 def test_inertial_axes():

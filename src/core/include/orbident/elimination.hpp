@@ -3,7 +3,7 @@
 // Each interval's equations hold the unknowns of its two boundaries and g, those that all have in
 // common. Folding them into what is known so far, with the boundary that was reached on the left,
 //
-//   [z near | z far | g | right-hand side]
+//   [z near | z far | g | changes | right-hand side]
 //
 // leaves rows that give z near once the others are known, the links, and below them all that is
 // known of z far and g. The chain is eliminated from both ends at once; both meet at a boundary in
@@ -25,7 +25,33 @@ struct SweepMemory {
   double* known;       // local x n: rows over [z near | z far, empty | g | rhs]
   double* rows;        // as many as an interval's samples have axes, and lasting noise x n
   double* continuity;  // BIASES, and two of each joint's own equation x n
+  double* encoders;    // joint_width + BLOCK rows x joint_width
+
+  EquationTable sensed(const Recorded& recorded, bool forward) const {
+    return table(recorded, forward, rows);
+  }
+  EquationTable continued(const Recorded& recorded, bool forward) const {
+    return table(recorded, forward, continuity);
+  }
+
+ private:
+  static EquationTable table(const Recorded& recorded, bool forward, double* to) {
+    const int L = recorded.local(), start = forward ? 0 : L;
+    return {to, recorded.stride(),      recorded.width(),  start, L - start,
+            L,  recorded.corrections(), recorded.momentum, 0,     0.0};
+  }
 };
+
+// Columns of changes: by how much their right-hand sides differ; `side` is where the rows begin.
+inline void add_changes(const Changes& changes, std::ptrdiff_t side, EquationTable& equations) {
+  for (int k = 0; changes.count && k < equations.rows; ++k, ++side) {
+    double* const right_hand_side =
+        equations.table + std::ptrdiff_t(k) * equations.stride + equations.width - 1;
+    for (int j = 0; j < changes.count; ++j)
+      right_hand_side[j - changes.count] =
+          (*right_hand_side - changes.sides[j][side]) / changes.sizes[j];
+  }
+}
 
 // Eliminates the boundaries from one end up to the meeting one, and returns the cost. `links`:
 // intervals x local x width; null where nobody asks.
@@ -45,15 +71,18 @@ inline double sweep(const Recorded& recorded, const LinearisedAt& at, bool forwa
     cost += row[width - 1] * row[width - 1];
   }
   for (int interval = begin; interval != stop; interval += on) {
-    const int start = forward ? 0 : L, end = L - start;
-    EquationTable sensed{memory.rows,       n, width, start, end, L, recorded.corrections(),
-                         recorded.momentum, 0, 0.0};
-    EquationTable continuity{memory.continuity, n, width, start, end, L, recorded.corrections(),
-                             recorded.momentum, 0, 0.0};
+    EquationTable sensed = memory.sensed(recorded, forward),
+                  continuity = memory.continued(recorded, forward);
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
+    const Changes& changes = recorded.changes;
+    const std::ptrdiff_t side = changes.count ? changes.first[interval] : 0;
+    add_changes(changes, side, sensed);
+    add_changes(changes, side + sensed.rows, continuity);
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, 0.0);
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);
-    cost += sensed.cost + continuity.cost + add_encoders(recorded, at, interval, forward, memory.R);
+    cost += sensed.cost + continuity.cost +
+            add_encoders(recorded, at, interval, forward, side + sensed.rows + continuity.rows,
+                         memory.encoders, memory.R);
     fold(memory.R, n, continuity.table + std::ptrdiff_t(BIASES) * n, n, continuity.rows - BIASES, n,
          width);
     fold(memory.R, n, memory.known, n, L, n, width);

@@ -7,79 +7,94 @@
 namespace orbident {
 
 constexpr int FUNCTIONS = 4;
-// Of a row: the functions and the right-hand side.
-constexpr int JOINT_WIDTH = padded(FUNCTIONS + 1);
+// Numbers of a row: the functions, changes and the right-hand side.
+inline int joint_width(const Recorded& recorded) { return padded(FUNCTIONS + recorded.sides()); }
 
-// Writes each joint's triangle into R, over [z near | z far | g | right-hand side], whose rows and
-// columns of the corrections are empty; what no correction explains adds to R's last entry. Returns
+// The four functions of an interval's corrections at a row.
+inline Cubics functions_at(const Recorded& recorded, int interval, int row) {
+  const int first = recorded.edge[interval];
+  const int end = std::min(recorded.edge[interval + 1], recorded.rows - 1);
+  return cubics(recorded.t[row] - recorded.t[first], recorded.t[end] - recorded.t[first]);
+}
+
+// What an encoder showed beside what the joint's history and its corrections say, over the noise.
+// `c`: which of the joints with corrections it is, or -1.
+inline double encoder_error(const Recorded& recorded, const LinearisedAt& at, int interval, int row,
+                            int joint, int c, const Cubics& functions, int& knot) {
+  const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
+  const JointHistory& history = recorded.history;
+  knot = history.knot(recorded.t[row], knot);
+  double error = recorded.joints.values[row * K + joint] -
+                 history.between(history.functions(recorded.t[row], knot).value, history.q[joint],
+                                 history.q_slope[joint], knot);
+  for (int f = 0; c >= 0 && f < FUNCTIONS; ++f)
+    error -= functions.value[f] *
+             at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
+  return recorded.joints.weights[row * K + joint] * error;
+}
+
+// Writes each joint's triangle into R, over [z near | z far | g | changes | right-hand side], whose
+// rows and columns of the corrections are empty; what no correction explains is folded into R's
+// last rows. `side`: where the encoders' rows of this interval are in those of each change. Returns
 // the sum of squared residuals.
 inline double add_encoders(const Recorded& recorded, const LinearisedAt& at, int interval,
-                           bool start_near, double* R) {
+                           bool start_near, std::ptrdiff_t side, double* memory, double* R) {
   const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
   const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
-  const int end = std::min(last, recorded.rows - 1);
-  const double duration = recorded.t[end] - recorded.t[first];
-  const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
-  const auto corrections = [&](int boundary) {
-    return at.local + boundary * L + recorded.corrections();
-  };
-  double cost = 0.0, left = 0.0, rows[BLOCK * JOINT_WIDTH];
+  const int stride = recorded.stride(), sides = recorded.sides(), from = recorded.width() - sides;
+  const int n = joint_width(recorded), width = FUNCTIONS + sides;
+  const Changes& changes = recorded.changes;
+  double* const triangle = memory;
+  double* const rows = memory + std::ptrdiff_t(n) * n;
+  double cost = 0.0;
   for (int k = 0, c = 0; k < K; ++k) {
     const bool corrected = c < C && recorded.corrected[c] == k;
-    const double before = cost;
-    double triangle[JOINT_WIDTH * JOINT_WIDTH] = {};
+    std::fill_n(triangle, std::ptrdiff_t(n) * n, 0.0);
     int count = 0;
     const auto folded = [&] {
-      fold(triangle, JOINT_WIDTH, rows, JOINT_WIDTH, count, JOINT_WIDTH, FUNCTIONS + 1);
+      fold(triangle, n, rows, n, count, n, width);
       count = 0;
     };
     const auto add = [&](double error) {
       if (count == BLOCK) folded();
-      double* row = rows + count++ * JOINT_WIDTH;
-      std::fill_n(row, JOINT_WIDTH, 0.0);
-      row[FUNCTIONS] = error;
+      double* row = rows + std::ptrdiff_t(count++) * n;
+      std::fill_n(row, n, 0.0);
+      row[width - 1] = error;
       cost += error * error;
       return row;
     };
-    const JointHistory& history = recorded.history;
     for (int r = first, knot = 0; recorded.joints.values && r < last; ++r) {
+      const Cubics functions = functions_at(recorded, interval, r);
+      const double error =
+          encoder_error(recorded, at, interval, r, k, corrected ? c : -1, functions, knot);
+      recorded.joints.keep(r * K + k, error);
       const double weight = recorded.joints.weights[r * K + k];
-      knot = history.knot(recorded.t[r], knot);
-      const Cubics functions = cubics(recorded.t[r] - recorded.t[first], duration);
-      double error = recorded.joints.values[r * K + k] -
-                     history.between(history.functions(recorded.t[r], knot).value, history.q[k],
-                                     history.q_slope[k], knot);
-      for (int f = 0; corrected && f < FUNCTIONS; ++f)
-        error -= functions.value[f] * corrections(interval + f / 2)[f % 2 * C + c];
-      recorded.joints.keep(r * K + k, weight * error);
       if (weight == 0.0) continue;
-      double* row = add(weight * error);
-      for (int f = 0; f < FUNCTIONS; ++f)
+      double* row = add(error);
+      for (int f = 0; corrected && f < FUNCTIONS; ++f)
         row[start_near ? f : (f + 2) % FUNCTIONS] = weight * functions.value[f];
+      for (int j = 0; j < changes.count; ++j)
+        row[FUNCTIONS + j] =
+            (error - changes.sides[j][side + (r - first) * K + k]) / changes.sizes[j];
     }
-    if (!corrected) {
-      left += cost - before;
-      continue;
-    }
-    for (int f = 0; f < 2; ++f) {
+    for (int f = 0; corrected && f < 2; ++f) {
       const double weight = 1 / recorded.prior[f * C + c];
-      double* row = add(-weight * corrections(interval + 1)[f * C + c]);
+      double* row =
+          add(-weight * at.local[(interval + 1) * L + recorded.corrections() + f * C + c]);
       row[start_near ? 2 + f : f] = weight;
     }
     folded();
-    left += triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS] *
-            triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS];
+    fold(R + std::ptrdiff_t(from) * stride + from, stride,
+         triangle + std::ptrdiff_t(FUNCTIONS) * n + FUNCTIONS, n, sides, sides, sides);
+    if (!corrected) continue;
     const auto place = [&](int f) { return f / 2 * L + recorded.corrections() + f % 2 * C + c; };
     for (int f = 0; f < FUNCTIONS; ++f) {
       double* row = R + std::ptrdiff_t(place(f)) * stride;
-      for (int other = f; other < FUNCTIONS; ++other)
-        row[place(other)] = triangle[f * JOINT_WIDTH + other];
-      row[right_hand_side] = triangle[f * JOINT_WIDTH + FUNCTIONS];
+      for (int other = f; other < FUNCTIONS; ++other) row[place(other)] = triangle[f * n + other];
+      std::copy_n(triangle + std::ptrdiff_t(f) * n + FUNCTIONS, sides, row + from);
     }
     ++c;
   }
-  double& last_entry = R[std::ptrdiff_t(right_hand_side) * stride + right_hand_side];
-  last_entry = std::sqrt(last_entry * last_entry + left);
   return cost;
 }
 

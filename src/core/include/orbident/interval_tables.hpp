@@ -48,6 +48,14 @@ struct DrivenJoint {
   double armature, viscous, coulomb, offset;  // A, d, c, o of joint_torques.hpp
 };
 
+// Right-hand sides of recordings that differ a little, as `right_hand_sides` has them.
+struct Changes {
+  int count = 0;
+  const double* const* sides = nullptr;   // of each
+  const double* sizes = nullptr;          // what each recording was changed by
+  const std::ptrdiff_t* first = nullptr;  // intervals: where the sides of each begin
+};
+
 struct Recorded {
   Tree tree;
   Sparse theta_of;  // theta = theta_0 + theta_of beta, where theta_0 has no beta
@@ -77,6 +85,7 @@ struct Recorded {
   const double* first;  // of z at the first row
   const double* prior;  // of corrections anywhere
   const double* walk;   // of turn and biases, per square root of a second
+  Changes changes;
 
   bool passive(int joint) const {
     for (int k = 0; k < springs; ++k)
@@ -89,7 +98,9 @@ struct Recorded {
   int local() const { return corrections() + 2 * columns.corrected; }
   int common() const { return columns.common(); }
   CalibrationPlaces places() const { return {tree.joints, wheels}; }
-  int width() const { return 2 * local() + common() + 1; }
+  // Beside the right-hand side, changes have columns as unknowns have.
+  int sides() const { return changes.count + 1; }
+  int width() const { return 2 * local() + common() + sides(); }
   int stride() const { return padded(width()); }
 };
 

@@ -150,18 +150,6 @@ def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     return Linear(factor, links, cost, _by_sensor(residuals, weights), state)
 
 
-def residuals_alone(problem: Problem, weights: BySensor, state: Unknowns) -> BySensor:
-    """Those of `linear`: how they change with what acts is not worked out."""
-    at = _arguments(problem, weights, state)
-    acts = state.selected >= problem.acting.first
-    table, own = at["acting"], state.common.size - acts.size
-    at["acting"] = np.delete(table, 1 + np.arange(np.count_nonzero(acts)), axis=2)
-    at["common"] = np.delete(state.common, own + np.flatnonzero(acts))
-    at["selected"] = state.selected[~acts]
-    *_, found = _linearised(problem, at, False)
-    return _by_sensor(found, weights)
-
-
 def _by_sensor(
     tables: Sequence[Float[np.ndarray, "_ _"]], weights: BySensor
 ) -> dict[str, Float[np.ndarray, "_ _"]]:
@@ -174,6 +162,35 @@ def common_factor(
 ) -> Float[np.ndarray, "n n"]:
     """The same equations over `[g, rhs]`: all that they say of the common unknowns."""
     factor, *_ = _linearised(problem, _arguments(problem, weights, state), True)
+    local = problem.recorded.local
+    return factor[local:, local:]
+
+
+def changes_factor(
+    problem: Problem,
+    weights: BySensor,
+    state: Unknowns,
+    changed: Sequence[tuple[Problem, Float[np.ndarray, " selected"]]],
+    sizes: Float[np.ndarray, " changes"],
+) -> Float[np.ndarray, "n n"]:
+    """`common_factor` of `[g, changes, rhs]`: what changes of a recording would show.
+
+    Args:
+        problem: of the recording.
+        weights: of all of them.
+        state: where all are linearised.
+        changed: the recordings that are changed, each with the places of the errors
+            that the state has; what acts is the same.
+        sizes: of each change.
+    """
+    at = _arguments(problem, weights, state)
+    acts = state.selected >= problem.acting.first
+    values = np.delete(at["acting"], 1 + np.arange(np.count_nonzero(acts)), axis=2)
+    own = np.delete(state.common, state.common.size - acts.size + np.flatnonzero(acts))
+    others = [(each.recorded, values, own, places[~acts]) for each, places in changed]
+    factor = _core.changes_factor(
+        problem.recorded, **at, changed=others, sizes=sizes, threads=processors()
+    )
     local = problem.recorded.local
     return factor[local:, local:]
 
