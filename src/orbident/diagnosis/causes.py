@@ -61,9 +61,12 @@ LOST = 6
 are wrong, putting one of them right does not bring a fit."""
 
 
-QUICK = 5.0
-"""s of CPU after which a quick search begins no further trial: with the fit before it,
-and with a look for an event after it, an answer takes some ten."""
+QUICK = 8.0
+"""s of CPU, with those of the fit before it, after which a quick search begins no
+further trial: with a look for an event after it, an answer takes ten."""
+
+LEAST = 3.0
+"""s of CPU that a quick search has in any case."""
 
 
 @one_blas_thread
@@ -76,8 +79,8 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
     """
     if search == "none" or any(one.name == "cause" for one in solved.hindered):
         return ()
-    end = process_time() + QUICK if search == "quick" else np.inf
-    return tuple(_causes(solved, end))
+    left = max(QUICK - solved.cpu_s, LEAST) if search == "quick" else np.inf
+    return tuple(_causes(solved, process_time() + left))
 
 
 def _causes(solved: Solved, end: float) -> Iterator[Check]:

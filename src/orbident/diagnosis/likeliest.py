@@ -12,7 +12,7 @@ from orbident.diagnosis.frames import beside
 from orbident.diagnosis.instruments import freed, kinds
 from orbident.diagnosis.jumps import steps
 from orbident.diagnosis.late_clocks import fast_clocks
-from orbident.diagnosis.shifts import curved_scales, drifts
+from orbident.diagnosis.shifts import curved_scales, drifts, vibrations
 from orbident.diagnosis.suspects import Scores, tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.clock_search import WORTH
@@ -59,6 +59,7 @@ def every_score(solved: Solved, before: float) -> Iterator[Scored]:
         *beside(problem),
         *steps(problem, shown),
         *drifts(problem),
+        *vibrations(problem, shown),
         *joint_errors(problem),
         *ripples(problem, shown),
         *fast_clocks(problem),

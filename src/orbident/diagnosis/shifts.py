@@ -15,9 +15,12 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.optimize import fminbound
 from scipy.spatial.transform import Rotation
 
+from orbident.diagnosis.rings import CYCLES, evenly, line_of
 from orbident.diagnosis.suspects import Numbers, Suspect
+from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.model.minimal_sets import conserved_axes
@@ -114,6 +117,46 @@ def drifts(problem: MomentumProblem) -> Iterator[Suspect]:
 
         if problem.recording.has(f"{sensor}.x"):
             yield shifted(sensor, elapsed, axes_of(problem, sensor), words)
+
+
+def vibrations(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]:
+    """A tracked point that swings evenly beside the robot, at the line of what is left.
+
+    Args:
+        problem: as it was fitted.
+        shown: its fit.
+    """
+    for signal in shown.signals:
+        if signal.name != "position" or signal.t.size <= 2 * CYCLES:
+            continue
+        t, left = evenly(signal)
+        line = line_of(left)
+        if line is None:
+            continue
+        f = _frequency(t, left, line)
+
+        def words(c: Numbers, f: float = f) -> str:
+            size = np.linalg.norm(c.reshape(2, -1), axis=0).max()
+            return (
+                f"the position swings by {size:.2g} m at {f:.2g} Hz, as where the "
+                "tracked point is on a mast, or all of the table rocks"
+            )
+
+        phase = 2 * np.pi * f * problem.recording.t
+        courses = np.column_stack([np.sin(phase), np.cos(phase)])
+        yield shifted("position", courses, axes_of(problem, "position"), words)
+
+
+def _frequency(
+    t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n axes"], line: int
+) -> float:
+    """That of a line, Hz, where the sum over all samples is largest."""
+    step = 1 / (t.size * (t[1] - t[0]))
+
+    def less_than_all(f: float) -> float:
+        return -float(np.sum(np.abs(np.exp(2j * np.pi * f * t) @ x) ** 2))
+
+    return float(fminbound(less_than_all, (line - 1) * step, (line + 1) * step))
 
 
 def curved_scales(problem: MomentumProblem) -> Iterator[Suspect]:

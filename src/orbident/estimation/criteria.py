@@ -64,7 +64,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
         solved: an estimate, and what the sensors show.
         masses: by every route.
     """
-    problem, hindered, estimate, shown, _ = solved
+    problem, hindered, estimate, shown = solved[:4]
     robot = problem.robot
     names = {check.name for check in hindered}
     found, none = estimate.parameters, not hindered

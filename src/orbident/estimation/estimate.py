@@ -267,3 +267,5 @@ class Solved(NamedTuple):
     off: float = 0.0
     """The largest difference of these two in the estimate's own deviations, which
     include it from then on."""
+    cpu_s: float = 0.0
+    """CPU seconds that all this took."""

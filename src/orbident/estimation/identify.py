@@ -106,7 +106,7 @@ def identify(
             samples, the nominal mass matrix is singular, the burn cannot be weighed,
             or an argument is not one of those named.
     """
-    started = time.perf_counter()
+    started, began = time.perf_counter(), time.process_time()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
     estimator = estimator_of(method)
     if not isinstance(estimator, OutputError):
@@ -118,6 +118,7 @@ def identify(
 
     def judged(solved: Solved) -> Result:
         elapsed = time.perf_counter() - started
+        solved = solved._replace(cpu_s=time.process_time() - began)
         return _judged(solved, estimator, weighing, elapsed)
 
     if len(recordings) == 1:
