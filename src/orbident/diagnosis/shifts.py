@@ -139,7 +139,8 @@ def vibrations(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]:
             size = np.linalg.norm(c.reshape(2, -1), axis=0).max()
             return (
                 f"the position swings by {size:.2g} m at {f:.2g} Hz, as where the "
-                "tracked point is on a mast, or all of the table rocks"
+                "tracked point is on a mast, the table rocks, or a mass slides to and "
+                "fro in the robot"
             )
 
         phase = 2 * np.pi * f * problem.recording.t
