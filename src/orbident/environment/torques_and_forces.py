@@ -220,15 +220,14 @@ class Leak(Agent):
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """The force along each axis of the base, and the moment about each."""
-        turning, moving = conserved_axes(motion.robot)
+        turning, moving = conserved_axes(motion.robot) if motion.S else ((), ())
         arm = radius_of_gyration(motion.robot)
-        for k in moving if motion.S else ():
-            effect = motion.effect(motion.load(force=motion.R_WB[:, :, k]))
-            yield self.column(f"force.{AXES[k]}", effect)
-        for k in turning if motion.S else ():
-            moment = self.column(
-                f"moment.{AXES[k]}", motion.turning(motion.R_WB[:, :, k]), "N m"
-            )
+        for k in moving:
+            force = by_step(motion.R_WB[:, :, k])
+            yield self.column(f"force.{AXES[k]}", motion.nothing._replace(force=force))
+        for k in turning:
+            effect = motion.turning(motion.R_WB[:, :, k])
+            moment = self.column(f"moment.{AXES[k]}", effect, "N m")
             yield moment._replace(std=arm)
 
 
