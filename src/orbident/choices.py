@@ -31,6 +31,7 @@ class DisturbanceGroup(StrEnum):
     base_torque = "base_torque"
     slow_base_torque = "slow_base_torque"
     wheel_loss = "wheel_loss"
+    leak = "leak"
     pull = "pull"
     uneven = "uneven"
     drag = "drag"

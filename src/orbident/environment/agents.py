@@ -18,6 +18,7 @@ AGENTS: dict[str, Agent] = {
         steady.WheelLoss(),
         steady.WheelNoise(),
         steady.ForceAtS(),
+        steady.Leak(),
         steady.Push(),
         air_table.LevelPull(),
         air_table.UnevenPull(),

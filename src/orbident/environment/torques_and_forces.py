@@ -5,6 +5,7 @@
     slow torque                tau = e_k f(t)
     the same on the base       tau = R_WB e_k f(t)
     wheel losing speed unseen  tau = d/dt (R_WB a_k l),  dl/dt = f(t)
+    leak                       F = R_WB e_k,   tau = R_WB e_k
     push for a short time d    tau = e_k p,  b = e_k p      p = cos(m pi s / d) / d
 
 What is slow is a Gaussian process of the size `s` beside its mean, which hardly swings
@@ -54,7 +55,7 @@ from orbident.environment.motion import (
     by_step,
     waves_of_noise,
 )
-from orbident.environment.worlds import SHORTEST, world_of
+from orbident.environment.worlds import SHORTEST, radius_of_gyration, world_of
 from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
@@ -203,6 +204,31 @@ class ForceAtS(Agent):
             yield motion.load(force=motion.always(world.environment.force))
         if "slow_force" in world.drawn:
             yield motion.load(force=world.drawn["slow_force"](motion.t))
+
+
+class Leak(Agent):
+    """What leaves by a hole in the base pushes it: a force and its moment about S.
+
+    Along the base's axes both stay as they are. It is flown as a push that lasts.
+    """
+
+    group = "leak"
+    words = "a valve or a vent that leaks pushes the base, base axes"
+    remedy = "see that all valves shut and nothing is vented"
+    needs = "position or velocity of S"
+    unit = "N"
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """The force along each axis of the base, and the moment about each."""
+        turning, moving = conserved_axes(motion.robot) if motion.S else ((), ())
+        arm = radius_of_gyration(motion.robot)
+        for k in moving:
+            force = by_step(motion.R_WB[:, :, k])
+            yield self.column(f"force.{AXES[k]}", motion.nothing._replace(force=force))
+        for k in turning:
+            effect = motion.turning(motion.R_WB[:, :, k])
+            moment = self.column(f"moment.{AXES[k]}", effect, "N m")
+            yield moment._replace(std=arm)
 
 
 class Push(Agent):

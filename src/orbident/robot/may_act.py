@@ -14,6 +14,7 @@ DIMENSIONS = {
     DisturbanceGroup.base_torque: "torque",
     DisturbanceGroup.slow_base_torque: "torque",
     DisturbanceGroup.wheel_loss: "torque",
+    DisturbanceGroup.leak: "force",
     DisturbanceGroup.pull: "acceleration or slope",
     DisturbanceGroup.uneven: "slope",
     DisturbanceGroup.drag: "drag",

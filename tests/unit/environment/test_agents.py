@@ -43,6 +43,9 @@ SWING = 5.0
 """s: what changes slowly in it does so twice."""
 
 TORQUE = np.array([3e-3, -2e-3, 4e-3])
+PUSHING = np.array([0.03, 0.02, -0.05])
+"""N."""
+
 LOSS = 1e-3
 """N m, as are the torques."""
 
@@ -139,6 +142,12 @@ CASES = {
         lambda m: m.R_WB @ TORQUE * shape(m, "slow_base_torque", 3),
     ),
     "wheel_loss": Case(SPACE, {}, {f"wheel_loss.{WHEEL.name}.0": LOSS}, lost),
+    "leak": Case(
+        SPACE,
+        {"bursts": [{"start": 0, "duration": SHORT, "force": [*PUSHING]}]},
+        xyz("leak.force", PUSHING) | xyz("leak.moment", TORQUE),
+        lambda m: m.R_WB @ TORQUE,
+    ),
     "pull": Case(TABLE, {"tilt": [4e-5, 0]}, {"pull.x": 4e-5 * 9.80665}),
     "uneven": Case(
         # A bowl: any other table has a moment about the CM too, which no fit knows.

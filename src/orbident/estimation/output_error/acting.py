@@ -9,7 +9,7 @@ An accelerometer feels `F / M + b`.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -62,7 +62,7 @@ class Followed:
     """With the rows."""
     predicted: Columns = ()
     """What a fit predicts of the gyro at the rows; NaN where it showed nothing."""
-    still: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict, init=False)
+    still: dict[object, np.ndarray] = field(default_factory=dict, init=False)
     """The table of torques and pulls of size one that was last asked for."""
 
     @cached_property
@@ -290,14 +290,11 @@ class Acting:
                 total = total.plus(sizes[k], each.effect)
         pushing = [k for k in sizes if every[k].force.any()]
         own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
-        still = [k for k in sizes if k not in pushing]
-        table = self._without_force(tuple(still))
+        table = self._without_force(tuple(k for k in sizes if k not in pushing), sizes)
+        still = [0.0 if k in pushing else size for k, size in sizes.items()]
         table[..., 0] = 0.0
-        table[..., 0] = own[..., 0] + table @ np.array([0, *(sizes[k] for k in still)])
-        if pushing:
-            table = np.concatenate([table, own[..., 1:]], axis=2)
-            order = [[*still, *pushing].index(k) for k in sizes]
-            table = table[..., [0, *(1 + place for place in order)]]
+        table[..., 0] = own[..., 0] + table @ np.array([0, *still])
+        table[..., [1 + [*sizes].index(k) for k in pushing]] = own[..., 1:]
         if not total.force.any():
             return table
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
@@ -344,19 +341,20 @@ class Acting:
         self.followed.still.clear()
 
     def _without_force(
-        self, which: tuple[int, ...]
+        self, which: tuple[int, ...], places: Collection[int]
     ) -> Float[np.ndarray, "nodes rows columns"]:
         """What torques and pulls of size one do: the same at all parameters.
 
-        Before them is a column for what all do together, so that nobody copies them.
+        Before them is a column for what all do together, and in their places are
+        columns for forces, so that nobody copies them.
         """
-        still = self.followed.still
-        if which not in still:
+        still, nothing = self.followed.still, self.followed.motion.nothing
+        if (which, *places) not in still:
             still.clear()
-            effects = [self.followed.motion.nothing, *map(self._still_effect, which)]
+            own = [self._still_effect(k) if k in which else nothing for k in places]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
-            still[which] = self._moved(effects, nowhere, 1.0)
-        return still[which]
+            still[which, *places] = self._moved([nothing, *own], nowhere, 1.0)
+        return still[which, *places]
 
     def _still_effect(self, k: int) -> Effect:
         first = SHARED + len(self.recorded)
