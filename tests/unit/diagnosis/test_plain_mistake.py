@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from clean_recordings import clean_space
 from random_motions import random_motion
 
 from orbident.diagnosis.linear_test import plain_mistake
@@ -14,6 +15,8 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
+
+IN_G = "the accelerometer is in g, and not in m/s^2"
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +33,12 @@ def recording(robot) -> Recording:
 def degrees(recording: Recording) -> Recording:
     gyro = {f"gyro.{k}": np.degrees(recording.column(f"gyro.{k}")) for k in "xyz"}
     return recording.with_columns(gyro)
+
+
+def accelerometer_in_g(recording: Recording) -> Recording:
+    names = [f"accelerometer.{k}" for k in "xyz"]
+    in_g = {name: recording.column(name) / 9.80665 for name in names}
+    return recording.with_columns(in_g)
 
 
 def exchanged(recording: Recording) -> Recording:
@@ -59,11 +68,18 @@ def test_no_fit_is_made(robot, recording, monkeypatch, mistaken, words, method):
 
 def test_an_accelerometer_in_g(robot, recording):
     """It scales the velocity alone, so that a fit is made first."""
-    names = [f"accelerometer.{k}" for k in "xyz"]
-    in_g = {name: recording.column(name) / 9.80665 for name in names}
-    result = identify(robot, recording.with_columns(in_g)).with_causes()
-    words = "the accelerometer is in g, and not in m/s^2"
-    assert result.refusal().startswith(words)
+    in_g = accelerometer_in_g(recording)
+    result = identify(robot, in_g).with_causes()
+    assert result.refusal().startswith(IN_G)
+
+
+def test_an_accelerometer_in_g_beside_a_position():
+    """Eqs. 24 and 31 know nothing of it."""
+    good = {"velocity_random_walk": 1e-4, "bias_instability": 1e-5}
+    known = clean_space(1, accelerometer=good)
+    in_g = accelerometer_in_g(known.recording)
+    result = identify(known.robot, in_g).with_causes()
+    assert result.refusal().startswith(f"{IN_G}: with that corrected the recording is")
 
 
 @pytest.mark.parametrize("name", ["paper-spatial", "cepheus-like", "dual-arm"])
