@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from cause_problems import clean, fitted, problem_with, with_recording
 from edited_recordings import changed
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.filters import filters
@@ -156,3 +157,17 @@ def test_tachometers_behind_filters():
     assert (
         "the samples of the wheels are 50 ms late, by a filter or by the clock" in words
     )
+
+
+def test_encoders_behind_filters():
+    """All joints are 50 ms late."""
+    recording = clean().recording
+    names = [f"joint.{name}.position" for name in clean().robot.joint_names]
+    late = {
+        name: CubicSpline(recording.t, recording.column(name))(recording.t - 0.05)
+        for name in names
+    }
+    problem = with_recording(recording.with_columns(late))
+    suspect, first = best(problem, filters(problem))
+    assert "the samples of the joints are" in suspect.words(first.values)
+    np.testing.assert_allclose(first.values[0], 0.05, rtol=0.1)
