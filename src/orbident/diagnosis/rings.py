@@ -116,13 +116,13 @@ def ring_of(signals: Signals, moved: RigidMotion) -> Ring | None:
     shown = by_sensor.get("gyro", attitude)
     if shown is None or shown.t.size <= 2 * CYCLES:
         return None
-    t, left = evenly(shown)
+    t, left = at_even_times(shown)
     if shown is attitude:
         left = np.gradient(left, t, axis=0)
     rates = [np.interp(t, moved.t, rate) for rate in moved.rates.T]
     drive = np.column_stack([*rates, np.ones(t.size)])
     left = left - drive @ np.linalg.lstsq(drive, left)[0]
-    line = line_of(left)
+    line = narrow_line(left)
     if line is None:
         return None
     f, unexplained = _oscillator(t, left, line, drive)
@@ -137,14 +137,14 @@ def ring_of(signals: Signals, moved: RigidMotion) -> Ring | None:
     return Ring(f, alike=(part / std) ** 2 > most)
 
 
-def evenly(signal: Signal) -> tuple[Float[np.ndarray, " n"], Course]:
+def at_even_times(signal: Signal) -> tuple[Float[np.ndarray, " n"], Course]:
     """Evenly spaced times from the beginning on, and what is left there."""
     n, left = min(signal.t.size, ROWS), signal.measured - signal.predicted
     t = np.linspace(signal.t[0], signal.t[n - 1], n)
     return t, np.column_stack([np.interp(t, signal.t, x) for x in left.T])
 
 
-def line_of(x: Course) -> int | None:
+def narrow_line(x: Course) -> int | None:
     """The step of frequency of the line with most power that stands out."""
     n, axes = x.shape
     windowed = np.hanning(n)[:, None] * x

@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import fminbound
 from scipy.spatial.transform import Rotation
 
-from orbident.diagnosis.rings import CYCLES, evenly, line_of
+from orbident.diagnosis.rings import CYCLES, at_even_times, narrow_line
 from orbident.diagnosis.suspects import Numbers, Suspect
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -129,8 +129,8 @@ def vibrations(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]:
     for signal in shown.signals:
         if signal.name != "position" or signal.t.size <= 2 * CYCLES:
             continue
-        t, left = evenly(signal)
-        line = line_of(left)
+        t, left = at_even_times(signal)
+        line = narrow_line(left)
         if line is None:
             continue
         f = _frequency(t, left, line)
@@ -157,7 +157,8 @@ def _frequency(
     def less_than_all(f: float) -> float:
         return -float(np.sum(np.abs(np.exp(2j * np.pi * f * t) @ x) ** 2))
 
-    return float(fminbound(less_than_all, (line - 1) * step, (line + 1) * step))
+    found = fminbound(less_than_all, (line - 1) * step, (line + 1) * step)
+    return float(np.array(found))
 
 
 def curved_scales(problem: MomentumProblem) -> Iterator[Suspect]:

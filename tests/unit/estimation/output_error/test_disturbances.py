@@ -27,8 +27,8 @@ from orbident.estimation.output_error.problem import (
     NO_ROWS,
     SENSORS,
     Problem,
-    linear,
-    residuals_alone,
+    changes_factor,
+    common_factor,
 )
 from orbident.estimation.output_error.sensors import at_level
 from orbident.estimation.solution import Unknowns
@@ -223,8 +223,9 @@ def test_what_cannot_show_is_refused():
         asked_for(recording, "air")
 
 
-def test_residuals_alone_are_those_of_the_equations():
-    """With torques, pulls and an error of an instrument that are not zero."""
+def test_a_recording_that_is_not_changed_leaves_the_same():
+    """With torques, pulls and an error of an instrument that are not zero: what is
+    linearised without what acts shows what acts all the same."""
     robot = replace(small_robot_in_space(), disturbances={})
     recording = noisy_in_space(small_recording_in_space(robot), 1)
     problem, _, state, _ = small_problem(robot, recording)
@@ -235,12 +236,14 @@ def test_residuals_alone_are_those_of_the_equations():
     sizes = 1e-3 * np.random.default_rng(1).standard_normal(places.size)
     state = state.selecting(places)
     state.common[-places.size :] = sizes
-    expected = linear(problem, problem.weights, state).residuals
-    found = residuals_alone(problem, problem.weights, state)
-    assert found.keys() == expected.keys()
+    found = changes_factor(
+        problem, problem.weights, state, [(problem, places)], np.ones(1)
+    )
     assert places.size > len(scale)
-    for name, table in found.items():
-        np.testing.assert_array_equal(table, expected[name])
+    assert not found[:, -2].any()
+    both = np.delete(found, -2, axis=1)
+    expected = common_factor(problem, problem.weights, state)
+    np.testing.assert_allclose(both.T @ both, expected.T @ expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("torque", [0.0, 0.02])
