@@ -96,7 +96,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     # A jump spoils the linear equations, where it may look like a wrong sign.
     usual = as_expected(problem, shown) if shown else None
     now = misfit(usual) if usual else np.inf
-    jumped = [_sure(one, now) for one in jumps(problem, shown, now)] if shown else []
+    jumped = [_sure(one, now) for one in jumps(problem, usual, now)] if usual else []
     if any(one.accepted for one in jumped):
         yield _explained(min(jumped, key=_rank), now)
         return
