@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 309,
-    "lines": 64_596,
+    "lines": 64_598,
     "files of estimation": 49,
     "lines of estimation": 11_934,
     "files with one user": 67,
