@@ -37,7 +37,11 @@ def spoiled(value: Any, others: dict[type, Any]) -> Iterator[Any]:
         yield from NUMBERS
     elif isinstance(value, list):
         yield from ([], value[:-1], [*value, *value[:1]])
-        yield from ([array, *value[1:]] for array in spoiled_arrays(value[0]))
+        yield from ([one, *value[1:]] for one in spoiled(value[0], others))
+    elif isinstance(value, tuple):
+        for k, part in enumerate(value):
+            before, after = value[:k], value[k + 1 :]
+            yield from ((*before, one, *after) for one in spoiled(part, others))
     elif type(value) in others:
         yield others[type(value)]
 

@@ -65,6 +65,7 @@ auto changes_factor(const OwnedRecorded& owned, const std::vector<Array>& weight
   const auto sizes = input<1>("sizes", sizes_, {static_cast<std::int64_t>(count)});
   std::vector<std::unique_ptr<Call>> calls;
   for (const auto& [other, acts, values, chosen] : changed) {
+    if (!other) throw nb::value_error("changed: give recordings");
     calls.push_back(std::make_unique<Call>(*other, weights, coloured, acts, x_WB, local, values,
                                            chosen, false));
     if (!alike(call.recorded, calls.back()->recorded))

@@ -18,6 +18,7 @@ from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import Score, score
 from orbident.model.kinematics import poses
+from orbident.preprocessing.delays import delays
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
@@ -54,7 +55,8 @@ def test_scores_are_those_of_a_step_of_all_else():
 
 def equations_of(problem: MomentumProblem) -> Problem:
     robot, samples = problem.robot, problem.samples
-    sensors = sensors_of(robot, problem.recording, {}, samples.speeds)
+    late = delays(robot, problem.recording, problem.late)
+    sensors = sensors_of(robot, problem.recording, late, samples.speeds)
     return problem_of(robot, problem.sets, samples, sensors)
 
 
