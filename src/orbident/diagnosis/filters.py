@@ -45,14 +45,14 @@ Slopes = tuple[Float[np.ndarray, "n axes"], Float[np.ndarray, "n axes"]]
 def filters(problem: MomentumProblem) -> Iterator[Suspect]:
     """One of all joints, one of all tachometers, and one of each sensor of the base."""
     recording, robot = problem.recording, problem.robot
-    joints = {f"joint.{name}": f"joint.{name}.position" for name in robot.joint_names}
-    speeds = [f"wheel.{name}.speed" for name in robot.wheel_names]
-    wheels = dict(zip(speeds, speeds, strict=True))
-    for what, columns in (("joints", joints), ("wheels", wheels)):
+    for what, names in (
+        ("joints", [f"joint.{name}.position" for name in robot.joint_names]),
+        ("wheels", [f"wheel.{name}.speed" for name in robot.wheel_names]),
+    ):
         shown = {
-            sensor: slopes(recording.t, recording.column(column)[:, None])
-            for sensor, column in columns.items()
-            if recording.has(column)
+            name: slopes(recording.t, recording.column(name)[:, None])
+            for name in names
+            if recording.has(name)
         }
         if shown:
             yield _filtered(what, shown)

@@ -84,7 +84,7 @@ def less(
         sensor: `joint.<name>`, a column, a vector, or the attitude.
         error: of an attitude the turn of the sensor in its own axes, rad.
     """
-    column = f"{sensor}.position" if sensor.startswith("joint.") else sensor
+    column = sensor if sensor in recording.columns else f"{sensor}.position"
     if column in recording.columns:
         return recording.with_columns({column: recording.columns[column] - error[:, 0]})
     if sensor != "attitude":

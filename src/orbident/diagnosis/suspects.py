@@ -103,10 +103,12 @@ class Scores:
     def _changed(self, suspect: Suspect) -> list[tuple[Problem, Places]]:
         """The equations with each number changed; none if these cannot be compared."""
         try:
-            every = [
-                _equations(suspect.corrected(self.problem, c), self.equations)
-                for c in np.diag(suspect.small)
-            ]
+            # What overflows has no score.
+            with np.errstate(all="ignore"):
+                every = [
+                    _equations(suspect.corrected(self.problem, c), self.equations)
+                    for c in np.diag(suspect.small)
+                ]
         except (InputError, np.linalg.LinAlgError):
             return []
         changed = [(each, self._places(each)) for each in every]

@@ -17,12 +17,12 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.output_error.problem import unseen_part
 from orbident.estimation.output_error.torques import driven_by
 from orbident.estimation.unknowns import DRIVE
 from orbident.excitation.floating import Gradient, NodalMotion
 from orbident.excitation.instrument_changes import InstrumentChanges
 from orbident.model.core_robot import core_tree
+from orbident.model.minimal_sets import unseen_part
 from orbident.robot.description import Robot
 
 NODES = 4

@@ -34,7 +34,13 @@ from orbident.model.dependencies import (
 )
 from orbident.model.kinematics import JointState, momentum_regressors
 from orbident.robot.description import Robot
-from orbident.robot.parameters import MASS, PER_BODY
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    INERTIA_ENTRIES,
+    MASS,
+    PER_BODY,
+    inertia_matrix,
+)
 from orbident.threads import one_blas_thread, processors
 
 MOST_PRODUCTS = 8000
@@ -313,3 +319,38 @@ def _base_parameters(
     theta_of = np.zeros((everything, T.shape[0]))
     theta_of[free] = np.hstack([theta_of_shown, rest[:, added]])
     return BaseParameters(T, theta_of, len(shown))
+
+
+def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:
+    """What remains of the nominal `theta` beside what its base parameters give.
+
+    No motion shows anything of it, so that it is taken as declared. It has no momentum
+    in the geometry that is declared. With joints elsewhere it has, by the product of
+    its own size and the change of geometry.
+
+    Args:
+        robot: with its nominal bodies.
+        sets: its minimal sets.
+    """
+    bodies = _flat(robot) if robot.motion == "planar" else robot.theta
+    beta = sets.beta(robot.theta)
+    return bodies.ravel() + sets.rotors - sets.base.theta_of @ beta
+
+
+def _flat(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """The bodies of a planar robot, all in the plane of S.
+
+    Nothing there shows how high a CM is, but a height couples tilts to positions.
+    """
+    # Of each body: the plane's normal in its axes, and its origin's height, m.
+    places = [(np.array([0.0, 0.0, 1.0]), 0.0)]
+    for joint in robot.joints:
+        n, height = places[joint.parent]
+        places.append((joint.R_PJ.T @ n, height + float(n @ joint.p_PJ)))
+    flat = []
+    for theta, (n, height) in zip(robot.theta, places, strict=True):
+        m, s = theta[MASS], theta[FIRST_MOMENT]
+        about_n = (n @ inertia_matrix(theta) @ n) * np.outer(n, n)
+        in_plane = s - n * (n @ s + m * height)
+        flat.append([m, *in_plane, *(about_n[entry] for entry in INERTIA_ENTRIES)])
+    return np.array(flat)

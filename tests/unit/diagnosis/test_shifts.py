@@ -18,7 +18,8 @@ def test_an_attitude_that_drifts():
 
 
 def test_a_tracked_point_that_swings():
-    """By 2 mm along x, and 1 mm along y a quarter of a period later, at 0.63 Hz."""
+    """A swing at 0.63 Hz is found: 2 mm along x, and 1 mm along y, a quarter of a period
+    ahead."""
     recording = clean().recording
     phase = 2 * np.pi * 0.63 * recording.t
     swing = np.column_stack([np.sin(phase), 0.5 * np.cos(phase), 0 * phase])

@@ -4,10 +4,6 @@ The unknowns are those of each boundary between shooting intervals, `z`, and tho
 all have in common, `g = [outside | beta | calibration]`. The core linearises interval
 after interval and eliminates what belongs to one of them alone, from both ends of the
 recording to a boundary in its middle, the meeting one.
-
-The part of the nominal bodies of which no motion shows anything is taken as declared.
-It has no momentum in the geometry that is declared. With joints elsewhere it has, by
-the product of its own size and the change of geometry.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -57,16 +53,10 @@ from orbident.estimation.solution import (
 )
 from orbident.estimation.unknowns import Unknown
 from orbident.model.core_robot import core_tree, wheels_of
-from orbident.model.minimal_sets import MinimalSets
+from orbident.model.minimal_sets import MinimalSets, unseen_part
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.wrenches import thrust_seen
 from orbident.robot.description import Robot
-from orbident.robot.parameters import (
-    FIRST_MOMENT,
-    INERTIA_ENTRIES,
-    MASS,
-    inertia_matrix,
-)
 from orbident.threads import processors
 
 SENSORS = (
@@ -382,34 +372,3 @@ def start_of(
         np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta])
     )
     return state.selecting(np.array([each.place for each in problem.declared]))
-
-
-def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:
-    """What remains of the nominal `theta` beside what its base parameters give.
-
-    Args:
-        robot: with its nominal bodies.
-        sets: its minimal sets.
-    """
-    bodies = _flat(robot) if robot.motion == "planar" else robot.theta
-    beta = sets.beta(robot.theta)
-    return bodies.ravel() + sets.rotors - sets.base.theta_of @ beta
-
-
-def _flat(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
-    """The bodies of a planar robot, all in the plane of S.
-
-    Nothing there shows how high a CM is, but a height couples tilts to positions.
-    """
-    # Of each body: the plane's normal in its axes, and its origin's height, m.
-    places = [(np.array([0.0, 0.0, 1.0]), 0.0)]
-    for joint in robot.joints:
-        n, height = places[joint.parent]
-        places.append((joint.R_PJ.T @ n, height + float(n @ joint.p_PJ)))
-    flat = []
-    for theta, (n, height) in zip(robot.theta, places, strict=True):
-        m, s = theta[MASS], theta[FIRST_MOMENT]
-        about_n = (n @ inertia_matrix(theta) @ n) * np.outer(n, n)
-        in_plane = s - n * (n @ s + m * height)
-        flat.append([m, *in_plane, *(about_n[entry] for entry in INERTIA_ENTRIES)])
-    return np.array(flat)
