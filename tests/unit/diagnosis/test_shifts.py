@@ -18,8 +18,7 @@ def test_an_attitude_that_drifts():
 
 
 def test_a_tracked_point_that_swings():
-    """A swing at 0.63 Hz is found: 2 mm along x, and 1 mm along y, a quarter of a period
-    ahead."""
+    """A swing at 0.63 Hz is found: 2 mm along x, and half as much along y."""
     recording = clean().recording
     phase = 2 * np.pi * 0.63 * recording.t
     swing = np.column_stack([np.sin(phase), 0.5 * np.cos(phase), 0 * phase])
