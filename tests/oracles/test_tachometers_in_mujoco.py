@@ -12,6 +12,7 @@ from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
 from orbident.estimation.identify import identify
+from orbident.estimation.output_error import problem
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -83,6 +84,17 @@ def test_noise_that_limits_a_mass_is_named():
     budget = Flown(drawn(3, (0, 1, 2), 3), RAMP).result(1.0, seed=0).budget()
     assert budget is not None
     assert "M is limited by noise of the wheel speeds" in budget.in_words()
+
+
+def test_noise_that_is_left_out_widens_no_deviation(monkeypatch):
+    """Most waves of such a tachometer are; with all of them the same is found."""
+    flown = Flown(drawn(3, (0, 1, 2), 3), 0.0)
+    some = flown.result(0.01, seed=0)
+    monkeypatch.setattr(problem, "NEGLIGIBLE", 0.0)
+    every = flown.result(0.01, seed=0)
+    moved = (some.base.values - every.base.values) / every.base.std
+    assert np.abs(moved).max() < 0.1
+    np.testing.assert_allclose(some.base.std, every.base.std, rtol=0.01)
 
 
 @pytest.mark.long

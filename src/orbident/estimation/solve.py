@@ -6,8 +6,9 @@ samples between two changes, fitted at once by output error, know better: a chan
 one where the robots before and after it are not the same.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -63,7 +64,8 @@ def since_the_last_change(
 ) -> tuple[tuple[Change, ...], Evidence]:
     """The changes that output error confirms, and what it makes of all after the last.
 
-    There are none where one robot fits the whole: what acts looks like a change, too.
+    There are none where one robot fits all that is left: what acts looks like a change,
+    too.
 
     Args:
         problem: of the whole recording.
@@ -71,31 +73,33 @@ def since_the_last_change(
         progress: is called with the fraction of the work that is done.
     """
     confirmed, begin = list[Change](), -np.inf
-    if _between(problem, -np.inf, np.inf):
-        suspected = ()
+    between = cache(partial(_between, problem))
     step = float(np.median(np.diff(problem.recording.t)))
     doubt = EARLIER * step
-    ends = [*(change.t - doubt for change in suspected), np.inf]
-    before = _between(problem, begin, ends[0])
-    for done, (change, end) in enumerate(zip(suspected, ends[1:], strict=True), 1):
+    ends = [*(change.t - doubt for change in suspected[1:]), np.inf]
+    for done, (change, end) in enumerate(zip(suspected, ends, strict=True)):
         progress(done / len(ends))
-        after, since = _after(problem, change, step, end) if before else (None, change)
+        if between(begin, np.inf):
+            break
+        before = between(begin, change.t - doubt)
+        after, since = _after(between, change, step, end) if before else (None, change)
         if before and after and not same_robot(before, after):
             confirmed.append(since)
-            begin, before = since.t, after
-        else:
-            before = _between(problem, begin, end)
+            begin = since.t
     last = _cut(problem, begin, np.inf)
     return tuple(confirmed), evidence(last, OutputError(), progress)
 
 
 def _after(
-    problem: MomentumProblem, change: Change, step: float, end: float
+    between: Callable[[float, float], Estimate | None],
+    change: Change,
+    step: float,
+    end: float,
 ) -> tuple[Estimate | None, Change]:
     """What fits after a change, and the change as of the first time from which it does.
 
     Args:
-        problem: of the whole recording.
+        between: what fits the part between two times, s.
         change: as a filter found it.
         step: from sample to sample, s.
         end: of the part until the next change, s.
@@ -104,7 +108,7 @@ def _after(
     for rows in LATER:
         since = Change(change.t + rows * step, onset, *change[2:])
         # A later alarm may be none: the whole rest tells most where it fits.
-        after = _between(problem, since.t, np.inf) or _between(problem, since.t, end)
+        after = between(since.t, np.inf) or between(since.t, end)
         if after:
             return after, since
         # From here on is not yet one robot.

@@ -7,6 +7,7 @@
 //   columns   value | by each gain among the unknowns | by beta, or none where it does not matter
 #pragma once
 
+#include "orbident/combined_rows.hpp"
 #include "orbident/rotations.hpp"
 
 namespace orbident {
@@ -39,13 +40,14 @@ struct Acting {
   template <class Slopes>
   void add(int first, const Matrix3<double>& by, Slopes& slopes) const {
     if (!rows) return;
-    const auto all = table(first);
     // Neighbours among the gains are neighbours among the unknowns, but for a few.
     for (int k = 0, end; k < gains; k = end) {
       for (end = k + 1; end < gains && columns[end] == columns[end - 1] + 1;) ++end;
-      slopes.middleCols(columns[k], end - k) += by.lazyProduct(all.middleCols(1 + k, end - k));
+      add_combined(by, rows + first * width() + 1 + k, width(), end - k, slopes.data() + columns[k],
+                   slopes.cols());
     }
-    slopes.middleCols(beta, betas) += by.lazyProduct(all.rightCols(betas));
+    add_combined(by, rows + first * width() + 1 + gains, width(), betas, slopes.data() + beta,
+                 slopes.cols());
   }
 };
 

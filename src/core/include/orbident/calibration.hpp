@@ -107,8 +107,7 @@ inline Motion<double> displacement(const Tree& tree, const Calibration& calibrat
 
 // Every column of a table times a matrix, in place.
 inline void transform(const Matrix3<double>& by, int count, double* slopes) {
-  TableRows table(slopes, 3, count);
-  for (int k = 0; k < count; ++k) table.col(k) = (by * table.col(k)).eval();
+  CombinedRows(slopes, count).add(by - Matrix3<double>::Identity(), slopes);
 }
 
 // Adds the columns of the selected ones among the places from `first` on, given those of all of
@@ -223,7 +222,7 @@ inline void calibrate_attitude(const IntervalColumns& columns, const Calibration
   const Matrix3<double> by_w = m.R.transpose() * old.by_m;
   const int n = columns.count();
   transform((old.R * m.R).transpose(), n, slopes);
-  if (l != 0.0) TableRows(slopes, 3, n) -= (l * by_w).lazyProduct(TableRows(base.dw, 3, n));
+  if (l != 0.0) CombinedRows(slopes, n).add(-l * by_w, base.dw);
   add_selected(columns, calibration, place, m.by_m, slopes);
   add_selected(columns, calibration, clock, Vector3<double>(-(by_w * base.w)), slopes);
 }
@@ -241,7 +240,6 @@ inline void calibrate_position(const IntervalColumns& columns, const Calibration
   const Vector3<double> tracked = shown + base.R_WB * d - l * v;
   shown = gain * tracked;
   TableRows table(slopes, 3, n);
-  const TableRows phi(base.phi, 3, n);
   if (l != 0.0) {
     Contributions parts = contributions(joints.t);
     for (double& part : parts.v_cm) part *= -l;
@@ -249,7 +247,8 @@ inline void calibrate_position(const IntervalColumns& columns, const Calibration
     joints.acting.add(ON_V, Matrix3<double>(-l * Matrix3<double>::Identity()), table);
     table -= l * ConstTableRows(by_v, 3, n);
   }
-  table = gain * (table - Matrix3<double>(base.R_WB * cross_matrix(d)).lazyProduct(phi));
+  table *= gain;
+  CombinedRows(slopes, n).add(-gain * base.R_WB * cross_matrix(d), base.phi);
   add_selected(columns, calibration, places.feature_point(), Matrix3<double>(gain * base.R_WB),
                slopes);
   add_selected(columns, calibration, places.position(), tracked, slopes);
@@ -262,9 +261,7 @@ inline void calibrate_velocity(const IntervalColumns& columns, const Calibration
   const Vector3<double> d = calibration.vector(place), u = base.w.cross(d);
   const Matrix3<double>& R = base.R_WB;
   shown += R * u;
-  const TableRows phi(base.phi, 3, n), dw(base.dw, 3, n);
-  TableRows(slopes, 3, n) -= Matrix3<double>(R * cross_matrix(u)).lazyProduct(phi) +
-                             Matrix3<double>(R * cross_matrix(d)).lazyProduct(dw);
+  CombinedRows(slopes, n).add(-R * cross_matrix(u), base.phi).add(-R * cross_matrix(d), base.dw);
   add_selected(columns, calibration, place, Matrix3<double>(R * cross_matrix(base.w)), slopes);
 }
 

@@ -55,8 +55,10 @@ inline void position_slopes(const IntervalColumns& columns, const JointNode& joi
   const int n = columns.count();
   TableRows slopes(out, 3, n);
   const Matrix3<double>& R = base.R_WB;
-  slopes = (R * cross_matrix(joints.terms.r_cm)).eval().lazyProduct(TableRows(base.phi, 3, n)) -
-           R.lazyProduct(TableRows(joints.by + BY_R * n, 3, n));
+  CombinedRows(out, n)
+      .zero()
+      .add(R * cross_matrix(joints.terms.r_cm), base.phi)
+      .add(-R, joints.by + BY_R * n);
   add_outside(columns, contributions(joints.t).r_cm, slopes);
   joints.acting.add(ON_R, Matrix3<double>::Identity(), slopes);
 }
@@ -69,10 +71,12 @@ inline void velocity_slopes(const IntervalColumns& columns, const JointNode& joi
   const Matrix3<double> by_r = -R * cross_matrix(base.w),
                         by_w = R * cross_matrix(joints.terms.r_cm),
                         by_phi = R * cross_matrix(velocity_in_base(joints, base));
-  TableRows(out, 3, n) = by_r.lazyProduct(TableRows(joints.by + BY_R * n, 3, n)) -
-                         R.lazyProduct(TableRows(joints.by + BY_V * n, 3, n)) +
-                         by_w.lazyProduct(TableRows(base.dw, 3, n)) +
-                         by_phi.lazyProduct(TableRows(base.phi, 3, n));
+  CombinedRows(out, n)
+      .zero()
+      .add(by_r, joints.by + BY_R * n)
+      .add(-R, joints.by + BY_V * n)
+      .add(by_w, base.dw)
+      .add(by_phi, base.phi);
 }
 
 // The slopes of the specific force are R_0^T (R_0^T dv_S)' + [f_S]x phi: the rate by the parabola
@@ -82,8 +86,7 @@ inline void add_rate_of_velocity(const IntervalColumns& columns, const Matrix3<d
                                  const double* next, double* out) {
   const int n = columns.count();
   const Matrix3<double> per_time = R_WB.transpose() / dt;
-  const ConstTableRows v_0(row, 3, n), v_1(half_way, 3, n), v_2(next, 3, n);
-  TableRows(out, 3, n) += per_time.lazyProduct(4 * v_1 - 3 * v_0 - v_2);
+  CombinedRows(out, n).add(4 * per_time, half_way).add(-3 * per_time, row).add(-per_time, next);
 }
 
 }  // namespace orbident

@@ -22,6 +22,7 @@
 #pragma once
 
 #include "orbident/acting.hpp"
+#include "orbident/combined_rows.hpp"
 #include "orbident/joint_history.hpp"
 #include "orbident/momentum_terms.hpp"
 #include "orbident/outside.hpp"
@@ -149,10 +150,10 @@ inline void set_forcing(const IntervalColumns& columns, BaseNode& at) {
   of_rows(1, 4) = of_rows(2, 5) = w[2];
   of_rows.rightCols<3>().setIdentity();
   of_rows = (-at.E * of_rows).eval();
+  CombinedRows sum = CombinedRows(at.G, n).zero();
+  for (int k = 0; k < BY_R; k += 3)
+    sum.add(of_rows.middleCols<3>(k), at.by + std::ptrdiff_t(k) * n);
   TableRows G(at.G, 3, n);
-  G = of_rows.lazyProduct(
-      Eigen::Map<const Eigen::Matrix<double, BY_R, Eigen::Dynamic, Eigen::RowMajor>>(at.by, BY_R,
-                                                                                     n));
   const Matrix3<double> by_h = at.E * at.R_WB.transpose();
   const Contributions parts = contributions(at.t);
   for (int k = 0; k < CONSERVED; ++k)
@@ -164,7 +165,8 @@ inline void set_forcing(const IntervalColumns& columns, BaseNode& at) {
 inline void set_rate_changes(const IntervalColumns& columns, BaseNode& at) {
   const int n = columns.count();
   const Matrix3<double> by_phi = at.E * cross_matrix(at.h_B);
-  TableRows(at.dw, 3, n) = by_phi.lazyProduct(TableRows(at.phi, 3, n)) + TableRows(at.G, 3, n);
+  const Matrix3<double> one = Matrix3<double>::Identity();
+  CombinedRows(at.dw, n).zero().add(by_phi, at.phi).add(one, at.G);
 }
 
 // One RK4 step of length h: everything at `middle` and `end` whose laws are set, from `start`.
@@ -192,11 +194,18 @@ inline void step(const IntervalColumns& columns, double h, const BaseNode& start
   const Matrix3<double> L = h / 2 * A_1, M = one + L;
   const Matrix3<double> B_0 = h / 6 * (one + 2 * L + 2 * L * L + h * A_2 * L * L);
   const Matrix3<double> B_1 = h / 6 * (2 * one + 2 * M + h * A_2 * M);
-  const TableRows phi_0(start.phi, 3, n), G_0(start.G, 3, n), G_1(middle.G, 3, n), G_2(end.G, 3, n);
-  TableRows phi_1(middle.phi, 3, n), phi_2(end.phi, 3, n);
-  phi_2 = F.lazyProduct(phi_0) + B_0.lazyProduct(G_0) + B_1.lazyProduct(G_1) + h / 6 * G_2;
-  phi_1 = ((one + h / 4 * A_0) / 2).lazyProduct(phi_0) +
-          ((one - h / 4 * A_2) / 2).lazyProduct(phi_2) + h / 8 * (G_0 - G_2);
+  CombinedRows(end.phi, n)
+      .zero()
+      .add(F, start.phi)
+      .add(B_0, start.G)
+      .add(B_1, middle.G)
+      .add(h / 6 * one, end.G);
+  CombinedRows(middle.phi, n)
+      .zero()
+      .add((one + h / 4 * A_0) / 2, start.phi)
+      .add((one - h / 4 * A_2) / 2, end.phi)
+      .add(h / 8 * one, start.G)
+      .add(-h / 8 * one, end.G);
   set_rate_changes(columns, middle);
   set_rate_changes(columns, end);
 }

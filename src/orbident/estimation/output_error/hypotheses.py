@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, UNTESTED, WALKS
 from orbident.estimation.levels import ChiSquare, limit
@@ -32,7 +33,7 @@ from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero
-from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
+from orbident.estimation.solution import OUTSIDE, Linear, Prior, Solution, Unknowns
 
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
@@ -49,6 +50,9 @@ BAD = 10.0
 
 LEFT = 0.7
 """The part of chi-square that a family leaves, at most, if it acts."""
+
+NEAR = 1e-3
+"""Of the deviations beforehand: those of a robot that is a tenth off."""
 
 FEW_STEPS = 12
 """Steps of a search that tries something: where it is right, fewer are needed."""
@@ -91,8 +95,7 @@ class Search:
                 tried is right, more are not needed.
         """
         more = (*self.problem.unknowns(names), *self.problem.expected)
-        # Where what is tried is right, the better start is near.
-        starts = trial or (self.starts[:1] if self.hasty else self.starts)
+        starts = trial or self.starts
         steps = min(self.steps, FEW_STEPS) if trial else self.steps
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
@@ -107,13 +110,36 @@ class Search:
                 self.progress,
                 steps,
                 here,
+                straight=bool(trial),
             )
             here = None
             # Where little shows the scale, there is a least cost of no robot, too.
             if solution.converged and solution.state.beta[0] > 0:
                 return solution
             solutions.append(solution)
-        return min(solutions, key=lambda each: each.cost)
+        best = min(solutions, key=lambda each: each.cost)
+        if trial or self.hasty or _bad(self.problem, best.cost):
+            return best
+        near = self._near_nominal(prior, places)
+        return near if near.converged and near.cost < best.cost else best
+
+    def _near_nominal(
+        self, prior: Prior, places: Float[np.ndarray, " selected"]
+    ) -> Solution:
+        """Where a search ends that is held near the nominal robot first."""
+        problem = self.problem
+        of_beta = slice(OUTSIDE, OUTSIDE + len(self.starts[0].beta))
+        nominal = prior.values[of_beta]
+        start = min(self.starts, key=lambda at: np.linalg.norm(at.beta - nominal))
+        std = prior.std.copy()
+        std[of_beta] *= NEAR
+        state = start.carried(places)
+        for known in (prior._replace(std=std), prior):
+            found = solved(
+                problem, problem.weights, known, state, self.progress, self.steps
+            )
+            state = found.state
+        return found
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
         """The search in a world where what may act has other sizes, by family, SI.
@@ -261,9 +287,8 @@ def _best(
 ) -> tuple[str, Search, Solution] | None:
     """The family that explains most, freed; None where there is no hope.
 
-    Where an instrument that is off, one number, explains the recording better than all
-    numbers of a family do, nothing is freed: the checks of the residuals then say what
-    is wrong.
+    Where an instrument that is off, one number, is likelier than all numbers of a
+    family, nothing is freed: the checks of the residuals then say what is wrong.
     """
     problem, here = search.problem, [zeros.solution.state]
     # A bad fit is hardly near anything; the better start is, where a family is right.
@@ -279,10 +304,11 @@ def _best(
         freed = search.allowing({family: np.inf})
         solution = freed.freed(trial=near)
         numbers = len(problem.unknowns([family]))
-        worth = solution.cost + limit("disturbance", numbers)
+        chance = solution.cost + limit("disturbance", numbers) >= cost
         # Without a least cost there is nothing to compare.
         possible = solution.converged and not _impossible(problem, solution, family)
-        if worth < cost and possible:
+        if possible and not chance:
+            worth = _evidence(cost, solution.cost, numbers)
             tried.append((worth, family, freed, solution))
     if not tried:
         return None
@@ -294,7 +320,7 @@ def _best(
         return family, freed, solution
     for instrument in _likely(_errors(zeros)):
         with_it = search.freed([instrument], near)
-        if with_it.cost + limit("disturbance", 1) < least:
+        if _evidence(cost, with_it.cost, 1) < least:
             return None
     size = size_of(freed.problem, solution, family)
     allowed = search.problem.acting.allowed
@@ -306,6 +332,18 @@ def _best(
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
     return family, sized, sized.freed(trial=[solution.state])
+
+
+def _evidence(before: float, after: float, numbers: int) -> float:
+    """Chi-square with numbers of the most likely size integrated out, up to constants.
+
+    The least cost `after` is at `x` with the covariance `C`. With the covariance `P`
+    beforehand it is `after + x' (P + C)^-1 x + log(det(P + C) / det(C))`, and of `n`
+    numbers that samples show alike `P + C` is `C` times the fall of chi-square over `n`
+    (empirical Bayes: MacKay 1992).
+    """
+    each = max((before - after) / numbers, 1.0)
+    return after + numbers * (1 + float(np.log(each)))
 
 
 def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:

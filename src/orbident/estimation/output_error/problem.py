@@ -69,9 +69,10 @@ NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
 
 
-NEGLIGIBLE = 0.01
+NEGLIGIBLE = 0.1
 """Deviations of all samples together. Of a size that shows less, what acts moves no
-parameter by more of its deviation: it would be an unknown that only takes time."""
+parameter by more of its deviation, which would be half a percent larger: it would be an
+unknown that only takes time. Waves of noise each move another sum of samples."""
 
 NOTHING_SEEN: Mapping[str, float] = {}
 
