@@ -126,7 +126,8 @@ def solved(
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
-        slope = 0.0 if straight else float(change @ whole)
+        bent = not (straight or damping)
+        slope = max(float(change @ whole), 0.0) if bent else 0.0
         there, new_cost, part = _reached(
             problem, weights, prior, damping, cost, state, (z, g), slope
         )
@@ -194,7 +195,7 @@ def _reached(
         problem: a recording's equations.
         weights: of its samples.
         prior: what is known beforehand.
-        damping: a step with it is not shortened.
+        damping: relative to the information.
         cost: where the step starts,
         state: which is there.
         step: changes of the boundaries, and of what all have in common.
@@ -205,10 +206,11 @@ def _reached(
     while True:
         moved = state.moved(part * z, problem.acting.evenly(state, part * g))
         there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
-        if damping or part < 1 or new_cost < cost + SAME:
+        if part < 1 or new_cost < cost + SAME:
             return there, new_cost, part
         least = slope / (new_cost - cost + 2 * slope)
-        if least < SHORTEST:
+        # Where an end overflows this is no number, which is not greater.
+        if not least > SHORTEST:
             return there, new_cost, part
         part = least
 
