@@ -15,7 +15,7 @@ ORBIDENT_WIDEST inline void add_combined(const Matrix3<double>& by, const double
   const Matrix3<double> A = by;  // of which nothing is written to
   const double *const p = rows, *const q = rows + stride, *const r = rows + 2 * stride;
   double *const x = to, *const y = to + to_stride, *const z = to + 2 * to_stride;
-#pragma omp simd
+  ORBIDENT_LANES
   for (int c = 0; c < n; ++c) {
     const double u = p[c], v = q[c], w = r[c];
     x[c] += A(0, 0) * u + A(0, 1) * v + A(0, 2) * w;

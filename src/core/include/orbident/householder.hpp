@@ -38,6 +38,13 @@
 #define ORBIDENT_UNROLLED
 #endif
 
+// One number of each column or density: before it is unrolled, such a loop becomes a vector's.
+#if defined(__GNUC__)
+#define ORBIDENT_LANES _Pragma("omp simd")
+#else
+#define ORBIDENT_LANES
+#endif
+
 namespace orbident {
 
 // Numbers of the widest vector: 8 of double. Tables whose width is a multiple are folded fastest,

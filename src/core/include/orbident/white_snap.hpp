@@ -15,13 +15,6 @@
 
 #include "orbident/householder.hpp"
 
-// One number of each column or density: before it is unrolled, such a loop becomes a vector's.
-#if defined(__GNUC__)
-#define ORBIDENT_LANES _Pragma("omp simd")
-#else
-#define ORBIDENT_LANES
-#endif
-
 namespace orbident::white_snap {
 
 // Components of the state. With 3, white jerk, the natural end conditions cost the rate at the ends
