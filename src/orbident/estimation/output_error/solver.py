@@ -202,7 +202,7 @@ def _reached(
         slope: half of that of the cost along the step, downwards; of zero it is not
             shortened.
     """
-    z, g, part = *step, 1.0
+    (z, g), part = step, 1.0
     while True:
         moved = state.moved(part * z, problem.acting.evenly(state, part * g))
         there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
