@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 309,
-    "lines": 64_736,
+    "lines": 64_742,
     "files of estimation": 49,
-    "lines of estimation": 12_029,
+    "lines of estimation": 12_035,
     "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,

@@ -69,6 +69,23 @@ def outstanding(axes: int, frequencies: int) -> float:
     return limit("ring", 2 * axes, frequencies) / float(chdtri(2 * axes, 0.5))
 
 
+def integrated_out(before: float, after: float, numbers: int) -> float:
+    """Chi-square with numbers of unknown size integrated out, to compare explanations.
+
+    The least chi-square `after` is at `x` with the covariance `C`. With the covariance
+    `P` beforehand, minus twice the logarithm of the evidence is, up to constants,
+    `after + x' (P + C)^-1 x + log(det(P + C) / det(C))`. Where samples show `n` numbers
+    alike, the most likely `P + C` is `C` times the fall over `n` (MacKay 1992).
+
+    Args:
+        before: least chi-square with all of the numbers zero.
+        after: the least with them.
+        numbers: how many they are.
+    """
+    each = max((before - after) / numbers, 1.0)
+    return after + numbers * (1 + float(np.log(each)))
+
+
 class ChiSquare(NamedTuple):
     """A sum of squares of white noise, if nothing else is in it."""
 

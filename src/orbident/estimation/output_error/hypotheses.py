@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, UNTESTED, WALKS
-from orbident.estimation.levels import ChiSquare, limit
+from orbident.estimation.levels import ChiSquare, integrated_out, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
     selected_of,
@@ -52,7 +52,8 @@ LEFT = 0.7
 """The part of chi-square that a family leaves, at most, if it acts."""
 
 NEAR = 1e-3
-"""Of the deviations beforehand: those of a robot that is a tenth off."""
+"""A search is held near the nominal robot by deviations of base parameters that are so
+much smaller than those beforehand: a tenth of its mass, and of what follows from it."""
 
 FEW_STEPS = 12
 """Steps of a search that tries something: where it is right, fewer are needed."""
@@ -308,7 +309,7 @@ def _best(
         # Without a least cost there is nothing to compare.
         possible = solution.converged and not _impossible(problem, solution, family)
         if possible and not chance:
-            worth = _evidence(cost, solution.cost, numbers)
+            worth = integrated_out(cost, solution.cost, numbers)
             tried.append((worth, family, freed, solution))
     if not tried:
         return None
@@ -320,7 +321,7 @@ def _best(
         return family, freed, solution
     for instrument in _likely(_errors(zeros)):
         with_it = search.freed([instrument], near)
-        if _evidence(cost, with_it.cost, 1) < least:
+        if integrated_out(cost, with_it.cost, 1) < least:
             return None
     size = size_of(freed.problem, solution, family)
     allowed = search.problem.acting.allowed
@@ -332,18 +333,6 @@ def _best(
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
     return family, sized, sized.freed(trial=[solution.state])
-
-
-def _evidence(before: float, after: float, numbers: int) -> float:
-    """Chi-square with numbers of the most likely size integrated out, up to constants.
-
-    The least cost `after` is at `x` with the covariance `C`. With the covariance `P`
-    beforehand it is `after + x' (P + C)^-1 x + log(det(P + C) / det(C))`, and of `n`
-    numbers that samples show alike `P + C` is `C` times the fall of chi-square over `n`
-    (empirical Bayes: MacKay 1992).
-    """
-    each = max((before - after) / numbers, 1.0)
-    return after + numbers * (1 + float(np.log(each)))
 
 
 def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:

@@ -144,7 +144,7 @@ def test_damping_is_relative_to_the_information(damping):
 
 
 def test_steps_that_turn_back_end_between(small):
-    """Of `x - 1.2 x` and of `x - 0.9 x` about zero: the first ones alone never end."""
+    """Steps that turn errors into -1.2 and -0.9 times themselves do not end alone."""
     turns, x = np.array([-2.2, -1.9]), np.ones(2)
     last = LastStep(np.zeros(2), x)
     for _ in range(6):
