@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 309,
-    "lines": 64_742,
-    "files of estimation": 49,
-    "lines of estimation": 12_035,
+    "files": 310,
+    "lines": 64_865,
+    "files of estimation": 50,
+    "lines of estimation": 12_143,
     "files with one user": 67,
     "imports below each other": 29,
     "numbers without a reason": 38,

@@ -1,7 +1,9 @@
 """A steady torque looks like a late clock to Eq. 24: the sensors tell them apart."""
 
 import pytest
+from mistakes import by_name
 from recordings import TABLE, clean
+from scoring import scored
 from spoiled import Spoiled, spoiled
 from wrong_motions import torque
 
@@ -45,3 +47,11 @@ def test_a_clock_that_is_late(method: Method, rows: int):
     found = clock(late(rows), method)
     assert found.believed
     assert found.late == pytest.approx(0.02 * rows, abs=4 * found.std)
+
+
+@pytest.mark.parametrize("size", ["0.0001", "0.001"])
+def test_a_torque_for_ten_seconds_is_found(size: str):
+    """Its search converges only where boundaries are corrected alone."""
+    mistake = by_name(f"torque {size} N m over 10 s")
+    found = scored(mistake.spoil(clean(TABLE)), "maximum-likelihood", causes=False)
+    assert found.outcome == "right"

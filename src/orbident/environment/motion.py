@@ -84,6 +84,18 @@ def by_step(x: Float[np.ndarray, "nodes ..."]) -> Float[np.ndarray, "steps 3 ...
     return np.stack([x[:-1:2], x[1::2], x[2::2]], axis=1)
 
 
+def integral(
+    t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "steps 3 ..."]
+) -> Float[np.ndarray, "nodes ..."]:
+    """The integral from the first node on, by parabolas through each step's nodes."""
+    h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 2))
+    a, b, c = x[:, 0], x[:, 1], x[:, 2]
+    out = np.zeros((t.size, *x.shape[2:]))
+    out[2::2] = np.cumsum(h * (a + 4 * b + c) / 6, axis=0)
+    out[1::2] = out[:-1:2] + h * (5 * a + 8 * b - c) / 24
+    return out
+
+
 def straight(
     t: Float[np.ndarray, " n"], at: Float[np.ndarray, " rows"], x: Vectors
 ) -> Float[np.ndarray, "n 3"]:

@@ -219,6 +219,11 @@ def _far(problem: MomentumProblem) -> Delay:
 
 
 def misfit(shown: Estimate) -> float:
-    """Minus twice the logarithm of the likelihood, each sensor's noise at its best."""
+    """Minus twice the logarithm of the likelihood, each sensor's noise at its best.
+
+    That of a robot: of a mass below zero it is, to first order, that at no inverse of
+    the mass, beyond which robots are.
+    """
     left = (each.measured - each.predicted for each in shown.signals)
-    return sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
+    fitted = sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
+    return fitted + (min(shown.mass.value, 0.0) / shown.mass.std) ** 2

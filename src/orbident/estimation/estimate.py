@@ -170,6 +170,9 @@ class Estimate(BesideParameters):
     converged: bool = True
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""
+    rise: float = 1.0
+    """By how much chi-square rises where the mass is one deviation off, and all else
+    follows: by one, where deviations hold."""
     signals: Signals = ()
     """What sensors showed and what was predicted, where sensors are what is fitted."""
     solution: Solution | None = None

@@ -57,6 +57,18 @@ further off."""
 MASS_BESIDE_NOMINAL = "mass beside the nominal one"
 """The check's name."""
 
+HOLDS = 0.7
+"""Of the one by which chi-square rises one deviation away: where it rises by less, the
+deviation is a fifth too small or more."""
+
+IN_WHEELS = "with more momentum in the wheels"
+
+TWICE = 2.0
+"""Times: a recording that tells too little is to be so many times as long at least."""
+
+MOST_TIMES = 20.0
+"""Times: of a motion that would have to be longer than that nothing is known."""
+
 SPREAD = 0.5
 """Forms of Eq. 32 that differ by more than this do not measure one mass."""
 
@@ -296,17 +308,18 @@ def mass_checks(
     """Whether the mass is determined, and its forms of Eq. 32 agree."""
     M, std = estimate.mass.value, estimate.mass.std
     level: Level
+    more = _long_enough(problem, M, std)
     yield from _forms(problem, shown)
     if estimate is not shown:
         # Its deviations hold how far it is from what the sensors show.
         level, remedy = "with care", "identify by maximum-likelihood"
     else:
         level = "do not trust"
-        remedy = "record a richer or longer motion, with more momentum in the wheels"
+        remedy = f"record a richer or longer motion{more}, {IN_WHEELS}"
     history = estimate.history
     if not M > 0:
         found = "nothing tells it" if np.isnan(M) else f"found {M:.4g} kg, below zero"
-        remedy = "record a longer motion, with more momentum in the wheels"
+        remedy = f"record a longer motion{more}, {IN_WHEELS}"
         yield Check("mass", "do not trust", f"mass: {found}", remedy)
     elif history is not None and not history.determined[0]:
         yield Check(
@@ -325,6 +338,25 @@ def mass_checks(
             std / M,
             VAGUE,
         )
+    elif shown.rise < HOLDS:
+        yield Check(
+            "mass",
+            level,
+            f"mass: found {M:.4g} kg, but its deviation, {std:.2g} kg, does not hold: "
+            f"so far off chi-square rises by {shown.rise:.2g}, and not by one",
+            remedy,
+            shown.rise,
+            HOLDS,
+        )
+
+
+def _long_enough(problem: MomentumProblem, M: float, std: float) -> str:
+    """How long a motion like it has to be: deviations fall with the root of time."""
+    vague = std / (VAGUE * abs(M))
+    times = max(vague**2, TWICE)
+    if not times < MOST_TIMES:
+        return ""
+    return f" (some {times * np.ptp(problem.samples.t):.2g} s like it)"
 
 
 def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:

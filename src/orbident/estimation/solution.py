@@ -104,18 +104,38 @@ class Unknowns(NamedTuple):
         x_WB, local = self.x_WB[boundaries], self.local[boundaries]
         return self._replace(x_WB=x_WB, local=local)
 
+    def grown(self, g: Float[np.ndarray, " common"]) -> float:
+        """How many times as large the mass is after a step.
+
+        Wheels show its inverse, which changes along a line: where little shows it, it
+        may pass through zero, and the mass through infinity.
+        """
+        with np.errstate(divide="ignore"):
+            return float(1 / (1 - g[OUTSIDE] / self.common[OUTSIDE]))
+
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
     ) -> "Unknowns":
-        """The state after a step; one that is far too long leads to no number."""
+        """The state after a step; one that is far too long leads to no number.
+
+        The motion shows ratios to the mass, which change along a line: with `x` a
+        momentum or an inertia,
+
+            x' / M' = x / M + (dx - x dM / M) / M
+        """
         turn, v, s = z[:, :3], self.x_WB[:, :3], self.x_WB[:, 3:]
         local = self.local + z
         local[:, :3] = 0.0
+        common = self.common + g
+        of_ratios = [0, 1, 2, *range(OUTSIDE, common.size - self.selected.size)]
+        x = self.common[of_ratios]
         with np.errstate(over="ignore", invalid="ignore"):
+            shown = common[of_ratios] - x * (g[OUTSIDE] / self.common[OUTSIDE])
+            common[of_ratios] = self.grown(g) * shown
             vector = v + (s * turn + np.cross(v, turn)) / 2
             x = np.hstack([vector, s - np.sum(v * turn, axis=1, keepdims=True) / 2])
             unit = x / np.linalg.norm(x, axis=1, keepdims=True)
-        return self._replace(x_WB=unit, local=local, common=self.common + g)
+        return self._replace(x_WB=unit, local=local, common=common)
 
 
 class Linear(NamedTuple):

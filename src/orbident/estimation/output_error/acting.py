@@ -25,6 +25,7 @@ from orbident.environment.motion import (
     PointMotion,
     RobotMotion,
     by_step,
+    integral,
     straight,
 )
 from orbident.environment.orbital import GravityGradient
@@ -37,7 +38,7 @@ from orbident.estimation.output_error.recorded_thrust import (
     evenly,
 )
 from orbident.estimation.output_error.shooting import Intervals, with_middles
-from orbident.estimation.solution import Unknowns
+from orbident.estimation.solution import NOTHING_SELECTED, Unknowns
 from orbident.estimation.unknowns import Unknown
 from orbident.model.kinematics import first_moments
 from orbident.model.minimal_sets import MinimalSets
@@ -156,18 +157,6 @@ def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..
     """What holds from each node on."""
     out = np.empty((2 * len(x) + 1, *x.shape[2:]))
     out[:-1:2], out[1::2], out[-1] = x[:, 0], x[:, 1], x[-1, 2]
-    return out
-
-
-def integral(
-    t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "steps 3 ..."]
-) -> Float[np.ndarray, "nodes ..."]:
-    """The integral from the first node on, by parabolas through each step's nodes."""
-    h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 2))
-    a, b, c = x[:, 0], x[:, 1], x[:, 2]
-    out = np.zeros((t.size, *x.shape[2:]))
-    out[2::2] = np.cumsum(h * (a + 4 * b + c) / 6, axis=0)
-    out[1::2] = out[:-1:2] + h * (5 * a + 8 * b - c) / 24
     return out
 
 
@@ -330,11 +319,20 @@ class Acting:
             return None
         return OutsideMomentum(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
 
+    @cached_property
+    def momenta(self) -> Float[np.ndarray, " some"]:
+        """Places of what gives momentum; what accelerates does so to any mass."""
+        effects = [each.effect for each in self.followed.disturbances]
+        own = [not (each.pull.any() or each.push.any()) for each in effects]
+        return np.array([x.place for x in self.unknowns])[np.array(own, dtype=bool)]
+
     def evenly(
         self, at: Unknowns, g: Float[np.ndarray, " common"]
     ) -> Float[np.ndarray, " common"]:
-        """A step from a state, along which what the motion shows of thrust is kept."""
-        return evenly(at, g, self.first, self.followed.samples.wrenches)
+        """A step from a state, along which what it shows of what acts is kept."""
+        first = self.first + SHARED + len(self.recorded)
+        acts = self.momenta if (at.selected >= first).any() else NOTHING_SELECTED
+        return evenly(at, g, self.first, self.followed.samples.wrenches, acts)
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""

@@ -69,6 +69,7 @@ from orbident.estimation.output_error.problem import (
     start_of,
 )
 from orbident.estimation.output_error.sensors import TORQUES, Sensors, sensors_of
+from orbident.estimation.output_error.shooting import LOOSE_TURNS
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
 from orbident.estimation.output_error.torques import drives_of, joints_driven
@@ -156,9 +157,10 @@ class OutputError:
             prior = with_others(prior, self.others, equations.declared)
         by_cad, steps = sets.beta(robot.theta), self.steps
         # Linear fits are poor where a velocity is noisier than the motion.
+        by_fits = beta[0] > 0 and not np.array_equal(beta, by_cad)
         starts = [
             walked(equations, start_of(equations, samples, outside, at))
-            for at in ([by_cad] if np.array_equal(beta, by_cad) else [beta, by_cad])
+            for at in ([beta, by_cad] if by_fits else [by_cad])
         ]
         if robot.passive:
             parts = [following(unexplained) for unexplained in LOOSE]
@@ -193,6 +195,7 @@ class OutputError:
                     steps = min(steps, FEW_STEPS)
                     break
             starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
+        nominal = starts[-1]
         at_hand, shows = [], dict[str, float]()
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:
@@ -209,13 +212,13 @@ class OutputError:
             del every
             sizes = np.linalg.norm(at_hand[0].factor[:, -1 - len(acting) : -1], axis=0)
             shows = {each.name: size for each, size in zip(acting, sizes, strict=True)}
-        # Where what is tried is right, the better start is near.
-        trial = not self.tested and self.steps < STEPS
         return Search(
             equations,
             prior,
-            starts[:1] if trial else starts,
+            starts[0],
+            nominal,
             at_hand,
+            partial(following, turning=LOOSE_TURNS),
             shows,
             {name: each.least / each.std for name, each in sensors.by_name.items()},
             {name for name, each in sensors.by_name.items() if each.declared},
@@ -270,6 +273,7 @@ def _estimate(
         sources=partial(covariance_parts, equations, found.solution),
         converged=found.solution.converged,
         settled=found.settled,
+        rise=found.rise,
         convergence=found.convergence,
         signals=sensor_signals(robot, equations, sensors, found),
         solution=fit.expected.solution,

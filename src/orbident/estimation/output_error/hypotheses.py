@@ -15,6 +15,7 @@ explains them. Where it does not, the family is as large as is most likely.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -29,14 +30,20 @@ from orbident.estimation.output_error.disturbance_sizes import (
     sizes_of,
     surprise_of,
 )
+from orbident.estimation.output_error.joint_laws import ENOUGH
+from orbident.estimation.output_error.mass_profile import at_its_least, mass_of
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero
-from orbident.estimation.solution import OUTSIDE, Linear, Prior, Solution, Unknowns
+from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
 
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
+
+NO_ROBOT = 10.0
+"""Deviations that a mass is below zero because of a sign: what acts drew it there by
+three, of a robot on a table with a hose."""
 
 ROUNDS = 6
 """Times that a family is freed, at most."""
@@ -51,10 +58,6 @@ BAD = 10.0
 LEFT = 0.7
 """The part of chi-square that a family leaves, at most, if it acts."""
 
-NEAR = 1e-3
-"""A search is held near the nominal robot by deviations of base parameters that are so
-much smaller than those beforehand: a tenth of its mass, and of what follows from it."""
-
 FEW_STEPS = 12
 """Steps of a search that tries something: where it is right, fewer are needed."""
 
@@ -66,10 +69,14 @@ class Search:
     problem: Problem
     prior: Prior
     """Of what a recording without anything beside its instruments has as unknowns."""
-    starts: Sequence[Unknowns]
-    """Where a search starts; from the next where that leads nowhere."""
+    start: Unknowns
+    """Where a search starts."""
+    nominal: Unknowns
+    """The nominal robot, from which it starts where that leads nowhere."""
     at_hand: list[Linear]
-    """The equations at the first start, until they are used: they are large."""
+    """The equations there, until they are used: they are large."""
+    loose: Callable[[], Problem]
+    """Makes the equations of an attitude that may turn nearly as it likes."""
     shows: Mapping[str, float]
     """How much of what acts they show; see `Problem`."""
     least: Mapping[str, float]
@@ -95,52 +102,45 @@ class Search:
             trial: where a search starts that is a trial, of few steps: where what is
                 tried is right, more are not needed.
         """
-        more = (*self.problem.unknowns(names), *self.problem.expected)
-        starts = trial or self.starts
-        steps = min(self.steps, FEW_STEPS) if trial else self.steps
+        problem, progress = self.problem, self.progress
+        more = (*problem.unknowns(names), *problem.expected)
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
-        places = np.array([each.place for each in (*self.problem.declared, *more)])
+        places = np.array([each.place for each in (*problem.declared, *more)])
+        solve = partial(solved, problem, problem.weights, progress=progress)
         here = self.at_hand.pop().carried(places) if self.at_hand else None
+        few = min(self.steps, FEW_STEPS)
         solutions = list[Solution]()
-        for start in starts:
-            solution = solved(
-                self.problem,
-                self.problem.weights,
-                prior,
-                start.carried(places),
-                self.progress,
-                steps,
-                here,
-                straight=bool(trial),
-            )
+        for start in trial or [self.start]:
+            at = start.carried(places)
+            solution = solve(prior=prior, state=at, steps=few, here=here)
             here = None
             # Where little shows the scale, there is a least cost of no robot, too.
             if solution.converged and solution.state.beta[0] > 0:
                 return solution
             solutions.append(solution)
+        last = bool(trial) or self.hasty
+        if not last:
+            at = self._loosely(prior, places)
+            solutions.append(solve(prior=prior, state=at, steps=self.steps))
         best = min(solutions, key=lambda each: each.cost)
-        if trial or self.hasty or _bad(self.problem, best.cost):
+        if last or best.converged:
             return best
-        near = self._near_nominal(prior, places)
-        return near if near.converged and near.cost < best.cost else best
+        return solve(prior=prior, state=best.state, steps=self.steps)
 
-    def _near_nominal(
+    def _loosely(
         self, prior: Prior, places: Float[np.ndarray, " selected"]
-    ) -> Solution:
-        """Where a search ends that is held near the nominal robot first."""
-        problem = self.problem
-        of_beta = slice(OUTSIDE, OUTSIDE + len(self.starts[0].beta))
-        nominal = prior.values[of_beta]
-        start = min(self.starts, key=lambda at: np.linalg.norm(at.beta - nominal))
-        std = prior.std.copy()
-        std[of_beta] *= NEAR
-        state = start.carried(places)
-        for known in (prior._replace(std=std), prior):
-            found = solved(
-                problem, problem.weights, known, state, self.progress, self.steps
-            )
-            state = found.state
-        return found
+    ) -> Unknowns:
+        """Where a search ends in which the attitude may turn nearly as it likes.
+
+        An attitude that has to turn as its equations say weighs more than all samples:
+        far from the least cost a step follows it alone, and leads anywhere.
+        """
+        loose, own = self.loose(), self.problem
+        problem = own._replace(recorded=loose.recorded, loose=loose.loose)
+        at, progress = self.nominal.carried(places), self.progress
+        return solved(
+            problem, own.weights, prior, at, progress, self.steps, enough=ENOUGH
+        ).state
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
         """The search in a world where what may act has other sizes, by family, SI.
@@ -165,17 +165,18 @@ class Search:
         )
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
-        """Go on from a first solution, with the noise that the residuals show."""
-        found = fitted(
-            self.problem,
-            first,
-            self.least,
-            self.declared,
-            self.progress,
-            self.steps,
-            self.hasty,
-        )
-        every = (*self.problem.declared, *self.problem.expected)
+        """Go on from a first solution, with the noise that the residuals show.
+
+        Where the cost is less with another mass, the search goes on from there.
+        """
+        problem = self.problem
+        noise = {"least": self.least, "declared": self.declared}
+        how = {"progress": self.progress, "steps": self.steps, "hasty": self.hasty}
+        settle = partial(fitted, problem, **noise, **how)
+        found = settle(first)
+        if not self.hasty:
+            found = at_its_least(problem, found, settle, self.progress, self.steps)
+        every = (*problem.declared, *problem.expected)
         names = tuple(each.name for each in every)
         return found._replace(solution=found.solution._replace(names=names))
 
@@ -214,12 +215,16 @@ def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
     hopeless = search.hasty and _bad(search.problem, cost) and not solution.converged
+    # What acts makes no mass negative: a sign does.
+    mass, std = mass_of(solution)
+    hopeless |= mass < -NO_ROBOT * std
     if hopeless or search.problem.t.size > LONGEST:
         return fit
     search = replace(search, problem=_predicting(search.problem, found))
     zeros = _zeros(search.problem, solution, True)
     while len(freed) < ROUNDS:
-        best = _best(search, zeros, cost, excluded)
+        # One that was freed is as large as is most likely.
+        best = _best(search, zeros, cost, {*excluded, *freed})
         # At no least cost the next test would mean nothing.
         if best is None or not best[-1].converged:
             break
@@ -293,8 +298,8 @@ def _best(
     """
     problem, here = search.problem, [zeros.solution.state]
     # A bad fit is hardly near anything; the better start is, where a family is right.
-    best = search.starts[:1]
-    near = [*best, *here] if _bad(problem, cost) else [*here, *best]
+    best = search.start
+    near = [best, *here] if _bad(problem, cost) else [*here, best]
     among = (*problem.expected, *problem.declared)
     free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.

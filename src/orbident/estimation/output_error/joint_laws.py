@@ -26,7 +26,7 @@ times as much takes part of the place of what panels of 10 mrad show."""
 HELD = 1e-6
 """Relative standard deviation of what is held."""
 
-LOOSE = (1e-1, 1e-2, 1e-3, 1e-5)
+LOOSE = 1e-1, 1e-3, 1e-5
 """The same in the fits before the last. Where a frequency is off, the phase is off by
 more and more periods, and the fit of a whole recording has many minima; that of joints
 which may move nearly as they like has one, and leads to the next."""

@@ -138,6 +138,8 @@ class Fitted(NamedTuple):
     """The cost with the noise that was assumed."""
     convergence: Convergence
     """The steps of all rounds."""
+    rise: float = 1.0
+    """That of the cost where the mass is one deviation off: one, where it holds."""
 
     @property
     def settled(self) -> bool:

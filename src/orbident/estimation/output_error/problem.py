@@ -35,6 +35,7 @@ from orbident.estimation.output_error.sensors import (
     walks_of_rates,
 )
 from orbident.estimation.output_error.shooting import (
+    CONTINUOUS,
     Looseness,
     intervals_of,
     looseness,
@@ -227,6 +228,7 @@ def problem_of(
     sensors: Sensors,
     free: Mapping[str, float] = NOTHING_FREE,
     unexplained: float = IDEAL,
+    turning: float = CONTINUOUS,
 ) -> Problem:
     """The equations of a recording.
 
@@ -239,11 +241,12 @@ def problem_of(
             name; SI.
         unexplained: what no spring explains moves passive joints by so much in a
             period, rad or m.
+        turning: what the attitude walks at least, rad/sqrt(s).
     """
     intervals = intervals_of(samples, sensors, longest_interval(robot, unexplained))
     walks = walks_of_rates(robot, sensors, samples)
     lasting = lasting_noise(robot, sensors, walks)
-    loose = looseness(robot, samples, sensors, lasting)
+    loose = looseness(robot, samples, sensors, lasting, turning)
     history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     pushed = _during(samples.pushed, intervals.t)

@@ -24,7 +24,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.environment.motion import Effect, RobotMotion, by_step
-from orbident.estimation.solution import OUTSIDE, Unknowns
+from orbident.estimation.solution import NOTHING_SELECTED, OUTSIDE, Unknowns
 from orbident.files.bounds import TOGETHER
 from orbident.preprocessing.wrenches import RecordedWrench
 
@@ -157,32 +157,34 @@ def evenly(
     g: Float[np.ndarray, " common"],
     first: int,
     wrenches: Sequence[RecordedWrench],
+    momenta: Float[np.ndarray, " some"] = NOTHING_SELECTED,
 ) -> Float[np.ndarray, " common"]:
     """A step to first order as it is, that changes ratios to the mass along a line.
 
     Of unknown mass and thrust the motion shows the ratio alone, which a long step must
-    not change: with `x` a momentum, an inertia or `t = (1 + s)(1 + g_k)`,
-
-        (x + dx') / (M + dM) = x / M + (dx - x dM / M) / M.
+    not change: `t = (1 + s)(1 + g_k)` moves as inertias do (`Unknowns.moved`), and so
+    does what gives momentum.
 
     Args:
         at: where the step starts.
         g: the step.
         first: the place of the clock among what is selected.
         wrenches: what was recorded to act.
+        momenta: places of what gives momentum beside it.
     """
     place = {int(x) - first: k for k, x in enumerate(at.selected)}
-    if SCALE not in place:
-        return g
     more, own = g[OUTSIDE] / at.beta[0], g.size - len(place)
+    acts = own + np.flatnonzero(np.isin(at.selected, momenta))
+    moved, x = g.copy(), at.common[acts]
+    moved[acts] = at.grown(g) * (x * (1 - more) + g[acts]) - x
+    if SCALE not in place:
+        return moved
     valves = [own + place[SHARED + k] for k, each in enumerate(wrenches) if each.valve]
-    moved, scale = g.copy(), own + place[SCALE]
-    same = [0, 1, 2, *range(OUTSIDE + 1, own)]
-    moved[same] += more * (g[same] - more * at.common[same])
+    scale = own + place[SCALE]
     s, gains = 1 + at.common[scale], 1 + at.common[valves]
     change = s * g[valves] + gains * g[scale]
-    change += more * (change - more * s * gains)
-    moved[valves] = (s * gains + change) / (s + g[scale]) - gains
+    t = at.grown(g) * (s * gains * (1 - more) + change)
+    moved[valves] = t / (s + g[scale]) - gains
     return moved
 
 

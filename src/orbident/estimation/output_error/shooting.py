@@ -40,6 +40,11 @@ TURN_AND_BIASES = 9
 CONTINUOUS = 1e-9
 """rad/sqrt(s): what splines and integration add to the attitude."""
 
+LOOSE_TURNS = 1e-2
+"""rad/sqrt(s): the same in a search that leads to another one. What a CAD model that is
+20 % off turns a base otherwise is about as large, so that its errors and those of the
+attitude count alike."""
+
 STEADY = 1e-6
 """Walk of a bias of which nothing is declared, over the noise of a sample."""
 
@@ -226,9 +231,21 @@ class Looseness(NamedTuple):
 
 
 def looseness(
-    robot: Robot, samples: Samples, sensors: Sensors, lasting: Lasting
+    robot: Robot,
+    samples: Samples,
+    sensors: Sensors,
+    lasting: Lasting,
+    turning: float = CONTINUOUS,
 ) -> Looseness:
-    """How freely attitude, biases and joints may vary from segment to segment."""
+    """How freely attitude, biases and joints may vary from segment to segment.
+
+    Args:
+        robot: its nominal inertia says what errors of wheels do.
+        samples: histories of joints and wheels.
+        sensors: what they showed, with its noise.
+        lasting: what lasts of that.
+        turning: what the attitude walks at least, rad/sqrt(s).
+    """
     turns = np.full(3, FIXED)
     if "attitude" in sensors.by_name:
         # Nothing would hold a planar base's tilt, and it is none.
@@ -251,7 +268,7 @@ def looseness(
     corrections = std[free].T.ravel()
     dt, D = float(np.median(np.diff(sensors.t))), _principal_inertias(robot)[-1]
     noise = first_lasting(lasting, dt, float(D))
-    turn_walk = np.full(3, _turn_walk(robot, samples))
+    turn_walk = np.full(3, max(turning, _turn_walk(robot, samples)))
     turn_walk[lasting[0, :, RATE_WALK] > 0] = TAKEN_OVER
     return Looseness(
         corrected=np.flatnonzero(free).astype(float),

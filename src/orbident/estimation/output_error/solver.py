@@ -1,15 +1,9 @@
 """Levenberg and Marquardt's method on the eliminated equations.
 
-The damping follows the ratio of the fall in cost to that expected (Nielsen 1999). A
-step without damping that leads too far is shortened first: what samples hardly show
-curves, steps lead from one side of the least cost to the other, and damping would hold
-just that direction. The part of it is where the parabola is least that has the slope
-and the costs at both ends (Dennis and Schnabel 1983, section 6.3.2). Where a step turns
-back, the next state is between the ends of both (Anderson 1965, with one step before).
+The damping follows the ratio of the fall in cost to that expected (Nielsen 1999).
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -45,9 +39,6 @@ FALLS = 0.5
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
-SHORTEST = 0.1
-"""Part of a step below which it is damped instead: it is wrong in kind."""
-
 CORNER = 0.5
 """Deviations. The rate at a row in which a thruster switches changes with its clock to
 one side only. Where the least cost is at such a corner, steps lead from one side of it
@@ -61,14 +52,6 @@ KEPT = 2**24
 linearises again."""
 
 
-class LastStep(NamedTuple):
-    """A step of the common unknowns."""
-
-    step: Float[np.ndarray, " g"]
-    end: Float[np.ndarray, " g"]
-    """Where it leads to."""
-
-
 def solved(
     problem: Problem,
     weights: BySensor,
@@ -78,7 +61,6 @@ def solved(
     steps: int = STEPS,
     here: Linear | None = None,
     enough: float = 0.0,
-    straight: bool = False,
 ) -> Solution:
     """Search for the least cost from a given state.
 
@@ -92,8 +74,6 @@ def solved(
         here: the equations at that state, where they are at hand.
         enough: a search that only leads to another one ends, too, with a step that
             lowers the cost by a smaller part; its first step is damped.
-        straight: whether a step is neither shortened, nor ends between two others: what
-            is right is found without.
 
     Raises:
         InputError: at the first state the equations overflow.
@@ -103,12 +83,11 @@ def solved(
     check_finite(cost, _size(here))
     damping, raised = DAMPING if enough else 0.0, RAISED
     taken, tried, vain = [Step(cost, np.nan)], False, 0
-    last = None if straight else LastStep(np.zeros(state.common.size), state.common)
     for _ in range(steps):
         progress()
         here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
-        g, last = _next(factor, state, damping, last)
+        g = _damped(factor, damping)
         z = here.step(g)
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
@@ -126,12 +105,8 @@ def solved(
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
-        bent = not (straight or damping)
-        slope = max(float(change @ whole), 0.0) if bent else 0.0
-        there, new_cost, part = _reached(
-            problem, weights, prior, damping, cost, state, (z, g), slope
-        )
-        change, size = part * change, part * size
+        moved = state.moved(z, problem.acting.evenly(state, g))
+        there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
         if new_cost < cost + SAME:
             lowered = (cost - new_cost) / cost
             as_good = problem.gains and size < CORNER and cost - new_cost < SAME
@@ -166,84 +141,23 @@ def _corrected(
     """The equations where a step ends, and where corrections of it if it costs more.
 
     Continuity weighs so much that what a good step leaves of second order costs more
-    than it gains: the next step takes that away (Fletcher 1982). So does the product of
-    a thrust and what it moves: where both are known badly, a good step is long.
+    than it gains: the next step takes that away (Fletcher 1982). Where that costs more,
+    too, the boundaries alone are corrected, and the parameters stay where they are.
     """
-    last = np.inf
-    there, new_cost = equations_at(problem, weights, prior, moved)
-    while cost <= new_cost < FALLS * last:
-        last, at = new_cost, there.at
-        g = _damped(prior.added(there.common, at), damping)
-        moved = at.moved(there.step(g), problem.acting.evenly(at, g))
-        there, new_cost = equations_at(problem, weights, prior, moved)
+    first, first_cost = there, new_cost = equations_at(problem, weights, prior, moved)
+    for alone in (False, True):
+        there, new_cost, last = first, first_cost, np.inf
+        while cost <= new_cost < FALLS * last:
+            last, at = new_cost, there.at
+            g = np.zeros(at.common.size)
+            if not alone:
+                g = _damped(prior.added(there.common, at), damping)
+            moved = at.moved(there.step(g), problem.acting.evenly(at, g))
+            there, new_cost = equations_at(problem, weights, prior, moved)
+        # Three of them at once would take much memory.
+        if new_cost < cost or problem.t.size >= LARGE:
+            break
     return there, new_cost
-
-
-def _reached(
-    problem: Problem,
-    weights: BySensor,
-    prior: Prior,
-    damping: float,
-    cost: float,
-    state: Unknowns,
-    step: tuple[Float[np.ndarray, "boundaries local"], Float[np.ndarray, " g"]],
-    slope: float,
-) -> tuple[Linear, float, float]:
-    """The equations where a step ends, or a part of it; their cost, and which part.
-
-    Args:
-        problem: a recording's equations.
-        weights: of its samples.
-        prior: what is known beforehand.
-        damping: relative to the information.
-        cost: where the step starts,
-        state: which is there.
-        step: changes of the boundaries, and of what all have in common.
-        slope: half of that of the cost along the step, downwards; of zero it is not
-            shortened.
-    """
-    (z, g), part = step, 1.0
-    while True:
-        moved = state.moved(part * z, problem.acting.evenly(state, part * g))
-        there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
-        if part < 1 or new_cost < cost + SAME:
-            return there, new_cost, part
-        least = slope / (new_cost - cost + 2 * slope)
-        # Where an end overflows this is no number, which is not greater.
-        if not least > SHORTEST:
-            return there, new_cost, part
-        part = least
-
-
-def _next(
-    factor: Float[np.ndarray, "n n"],
-    state: Unknowns,
-    damping: float,
-    last: LastStep | None,
-) -> tuple[Float[np.ndarray, " g"], LastStep | None]:
-    """A step; without damping one that turns back leads to between both ends.
-
-    That is where, on the line between its end and that of the last one, a step would be
-    shortest, to first order.
-
-    Args:
-        factor: of what is known of changes of all common unknowns.
-        state: where the step starts.
-        damping: relative to the information.
-        last: the last step without damping; without one none leads to between.
-
-    Returns:
-        The step, and the last one without damping.
-    """
-    g = _damped(factor, damping)
-    if damping or last is None:
-        return g, last
-    own = LastStep(g, state.common + g)
-    a, b = factor[:-1, :-1] @ g, factor[:-1, :-1] @ last.step
-    if a @ b >= 0:
-        return g, own
-    share = a @ (a - b) / np.sum((a - b) ** 2)
-    return (1 - share) * g + share * (last.end - state.common), own
 
 
 def solution_at(

@@ -15,8 +15,7 @@ from scipy.optimize import minimize
 
 from orbident import _core
 from orbident.environment.agents import WALKS
-from orbident.environment.motion import by_step
-from orbident.estimation.output_error.acting import integral
+from orbident.environment.motion import by_step, integral
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,

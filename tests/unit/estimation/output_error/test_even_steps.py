@@ -18,6 +18,10 @@ VALVES = [
 ]
 
 
+TORQUES = FIRST + SHARED + np.array([3.0, 4.0])
+"""Places of what gives momentum; behind them is an acceleration."""
+
+
 def state(random: np.random.Generator, places: np.ndarray) -> Unknowns:
     """Four base parameters, all of one size."""
     common = np.concatenate(
@@ -31,30 +35,41 @@ def state(random: np.random.Generator, places: np.ndarray) -> Unknowns:
 
 
 def ratios(at: Unknowns) -> np.ndarray:
-    """Momentum, first moments, inertias and thrusts over the mass."""
+    """Momentum, first moments, inertias, thrusts, torques and one over the mass."""
     own = dict(zip(at.selected - FIRST, at.calibration, strict=True))
-    thrusts = [(1 + own[SCALE]) * (1 + own[SHARED + k]) for k in range(3)]
-    return np.concatenate([at.common[:3], at.beta[1:], thrusts]) / at.beta[0]
+    torques = [own[SHARED + k] for k in (3, 4)]
+    valves = [k for k in range(3) if SHARED + k in own]
+    thrusts = [(1 + own[SCALE]) * (1 + own[SHARED + k]) for k in valves]
+    return (
+        np.concatenate([at.common[:3], at.beta[1:], thrusts, torques, [1.0]])
+        / at.beta[0]
+    )
 
 
 def stepped(at: Unknowns, g: np.ndarray) -> Unknowns:
-    return at._replace(common=at.common + evenly(at, g, FIRST, VALVES))
+    g = evenly(at, g, FIRST, VALVES, TORQUES)
+    return at.moved(np.zeros((0, 9)), g)
 
 
+@pytest.mark.parametrize("scale_known", [False, True])
 @pytest.mark.parametrize("seed", range(5))
-def test_ratios_change_by_their_slope(seed):
+def test_ratios_change_by_their_slope(seed, scale_known):
     random = np.random.default_rng(seed)
-    at = state(random, FIRST + np.arange(-1.0, SHARED + 3))
+    at = state(random, FIRST + np.arange(-1.0, SHARED + 6))
+    if scale_known:
+        at = at.carried(np.array([FIRST, *TORQUES]))
     g = 0.1 * random.standard_normal(at.common.size)
     tiny, whole = stepped(at, 1e-6 * g), stepped(at, g)
     slope = 1e6 * (ratios(tiny) - ratios(at))
     # A difference of numbers of size one, over a millionth of the step.
     np.testing.assert_allclose(ratios(whole) - ratios(at), slope, atol=1e-8)
     np.testing.assert_allclose(tiny.common, at.common + 1e-6 * g, atol=1e-11)
+    if not scale_known:
+        assert whole.common[-1] == at.common[-1] + g[-1]
 
 
 def test_where_the_scale_is_no_unknown_a_step_is_as_it_is():
     random = np.random.default_rng(1)
     at = state(random, FIRST + np.array([0.0, SHARED, SHARED + 1, SHARED + 2]))
     g = random.standard_normal(at.common.size)
-    assert evenly(at, g, FIRST, VALVES) is g
+    np.testing.assert_array_equal(evenly(at, g, FIRST, VALVES), g)

@@ -17,13 +17,7 @@ from small_problems import (
 from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, linear
-from orbident.estimation.output_error.solver import (
-    LastStep,
-    _damped,
-    _next,
-    equations_at,
-    solved,
-)
+from orbident.estimation.output_error.solver import _damped, equations_at, solved
 from orbident.estimation.solution import SMALL, Unknowns
 from orbident.recordings.recording import Recording
 from orbident.robot.sensor_schema import declared_sensors
@@ -141,18 +135,6 @@ def test_damping_is_relative_to_the_information(damping):
     np.testing.assert_allclose(_damped(factor, damping), expected, rtol=1e-10)
     undamped = np.linalg.norm(_damped(factor, 0.0) * np.sqrt(np.diag(N)))
     assert np.linalg.norm(expected * np.sqrt(np.diag(N))) < undamped
-
-
-def test_steps_that_turn_back_end_between(small):
-    """Steps that turn errors into -1.2 and -0.9 times themselves do not end alone."""
-    turns, x = np.array([-2.2, -1.9]), np.ones(2)
-    last = LastStep(np.zeros(2), x)
-    for _ in range(6):
-        factor = np.eye(3)
-        factor[:-1, -1] = turns * x
-        g, last = _next(factor, small.state._replace(common=x), 0.0, last)
-        x = x + g
-    assert np.abs(x).max() < 1e-3
 
 
 def test_from_a_bad_start_to_the_same_solution(recording):
