@@ -18,13 +18,14 @@ from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
     beside_nominal,
+    long_enough,
     mass_checks,
     positive_energy,
     possible_numbers,
 )
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import changes_in_words
-from orbident.estimation.residual_checks import CAUSES, residual_checks
+from orbident.estimation.residual_checks import CAUSES, NOISY, residual_checks
 from orbident.estimation.unknowns import SpringFit
 from orbident.files.names import joined, listed
 from orbident.robot.description import Passive, Robot
@@ -85,7 +86,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
                 estimate.carried,
                 turned_by(robot, problem.samples.locked),
             ),
-            *_convergence(estimate, shown),
+            *_convergence(problem, estimate, shown or estimate),
             *unsettled_weights(shown or estimate),
             *residual_checks(problem, shown or estimate),
             *_agreement(solved),
@@ -130,14 +131,19 @@ def _determined(
     yield Check(f"{name} determined", "with care", words, remedy)
 
 
-def _convergence(estimate: Estimate, shown: Estimate | None) -> Iterator[Check]:
-    if estimate.converged and (shown is None or shown.converged):
+def _convergence(
+    problem: MomentumProblem, estimate: Estimate, shown: Estimate
+) -> Iterator[Check]:
+    if estimate.converged and shown.converged:
         return
+    reason, remedy = "the estimate still changes from step to step", CAUSES
+    goodness, mass = shown.goodness, shown.mass
+    if goodness is not None and goodness.per_dof < NOISY**2:
+        reason = "residuals are as small as noise, and hardly show what still changes"
+        longer = long_enough(problem, mass.value, mass.std)
+        remedy = f"record a richer or longer motion{longer}"
     yield Check(
-        "convergence",
-        "do not trust",
-        "the fit did not converge: the estimate still changes from step to step",
-        CAUSES,
+        "convergence", "do not trust", f"the fit did not converge: {reason}", remedy
     )
 
 

@@ -308,7 +308,7 @@ def mass_checks(
     """Whether the mass is determined, and its forms of Eq. 32 agree."""
     M, std = estimate.mass.value, estimate.mass.std
     level: Level
-    more = _long_enough(problem, M, std)
+    more = long_enough(problem, M, std)
     yield from _forms(problem, shown)
     if estimate is not shown:
         # Its deviations hold how far it is from what the sensors show.
@@ -350,7 +350,7 @@ def mass_checks(
         )
 
 
-def _long_enough(problem: MomentumProblem, M: float, std: float) -> str:
+def long_enough(problem: MomentumProblem, M: float, std: float) -> str:
     """How long a motion like it has to be: deviations fall with the root of time."""
     vague = std / (VAGUE * abs(M))
     times = max(vague**2, TWICE)
