@@ -12,11 +12,11 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 310,
-    "lines": 64_865,
+    "lines": 64_880,
     "files of estimation": 50,
-    "lines of estimation": 12_143,
+    "lines of estimation": 12_158,
     "files with one user": 67,
-    "imports below each other": 29,
+    "imports below each other": 30,
     "numbers without a reason": 38,
 }
 

@@ -63,6 +63,8 @@ deviation is a fifth too small or more."""
 
 IN_WHEELS = "with more momentum in the wheels"
 
+OF_SIGNS = "check the signs of wheels' speeds and axes, and --initial-momentum"
+
 TWICE = 2.0
 """Times: a recording that tells too little is to be so many times as long at least."""
 
@@ -317,9 +319,13 @@ def mass_checks(
         level = "do not trust"
         remedy = f"record a richer or longer motion{more}, {IN_WHEELS}"
     history = estimate.history
-    if not M > 0:
-        found = "nothing tells it" if np.isnan(M) else f"found {M:.4g} kg, below zero"
+    by_sensors = shown.mass.value
+    if not M > 0 or by_sensors < 0:
+        least = by_sensors if M > 0 else M
+        nothing, sure = np.isnan(least), shown.mass.std < -VAGUE * by_sensors
+        found = "nothing tells it" if nothing else f"found {least:.4g} kg, below zero"
         remedy = f"record a longer motion{more}, {IN_WHEELS}"
+        remedy = OF_SIGNS if sure else remedy
         yield Check("mass", "do not trust", f"mass: {found}", remedy)
     elif history is not None and not history.determined[0]:
         yield Check(

@@ -31,7 +31,10 @@ from orbident.estimation.output_error.disturbance_sizes import (
     surprise_of,
 )
 from orbident.estimation.output_error.joint_laws import ENOUGH
-from orbident.estimation.output_error.mass_profile import at_its_least, mass_of
+from orbident.estimation.output_error.mass_profile import (
+    at_its_least,
+    known_mass,
+)
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
@@ -216,7 +219,7 @@ def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
     hopeless = search.hasty and _bad(search.problem, cost) and not solution.converged
     # What acts makes no mass negative: a sign does.
-    mass, std = mass_of(solution)
+    mass, std = known_mass(solution)
     hopeless |= mass < -NO_ROBOT * std
     if hopeless or search.problem.t.size > LONGEST:
         return fit

@@ -35,7 +35,7 @@ class Profile(NamedTuple):
     """The state on that side."""
 
 
-def mass_of(solution: Solution) -> tuple[float, float]:
+def known_mass(solution: Solution) -> tuple[float, float]:
     """The total mass and its deviation, kg."""
     C, common = solution.covariance, solution.state.common
     place = len(C) - common.size + OUTSIDE
@@ -86,7 +86,7 @@ def profile(
         steps: at most, on either side.
     """
     state, prior, n = found.state, found.prior, found.state.common.size
-    mass, std = mass_of(found)
+    mass, std = known_mass(found)
     if not found.converged or found.linear.given_up:
         return None
     if not PLAIN * mass < std < mass:
