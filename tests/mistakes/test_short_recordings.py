@@ -76,6 +76,8 @@ def test_a_deviation_that_does_not_hold_is_no_deviation():
     (said,) = (str(each) for each in result.checks if each.name == "mass")
     assert "does not hold" in said
     assert "record a richer or longer motion (some 21 s like it)" in said
+    # By linear equations alone the sign of a wheel would be the opposite.
+    assert not [each for each in result.with_causes().checks if each.name == "cause"]
 
 
 @pytest.mark.long

@@ -51,7 +51,10 @@ def test_a_clock_that_is_late(method: Method, rows: int):
 
 @pytest.mark.parametrize("size", ["0.0001", "0.001"])
 def test_a_torque_for_ten_seconds_is_found(size: str):
-    """Its search converges only where boundaries are corrected alone."""
+    """A step of its search that leads far costs less if parameters stay where it led.
+
+    The attitudes where intervals meet are then corrected alone.
+    """
     mistake = by_name(f"torque {size} N m over 10 s")
     found = scored(mistake.spoil(clean(TABLE)), "maximum-likelihood", causes=False)
     assert found.outcome == "right"

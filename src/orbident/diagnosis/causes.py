@@ -103,7 +103,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     wrong, *_ = conventions = tried_conventions(problem)
     # Linear equations know nothing of thrust.
     plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
-    if plain and wrong.residuals_alone > FALLS:
+    # Those of a short recording are poor: it is no mistake that all sensors deny.
+    denied = shown is not None and _fits(problem, shown)
+    if plain and wrong.residuals_alone > FALLS and not denied:
         yield wrong.check()
     elif usual:
         # That parameters are of a likelier sign is not enough where it can be tried.

@@ -82,6 +82,8 @@ def point_of_a_link(problem: MomentumProblem) -> Iterator[Trial]:
     shows a point of any link as one of the base of another robot.
     """
     robot, samples = problem.robot, problem.samples
+    if not robot.joints:
+        return
     axes = list(conserved_axes(robot)[1])
     q, x_WB = np.column_stack(samples.q), np.column_stack(samples.x_WB)
     p = problem.recording.vector("position")[:, axes]

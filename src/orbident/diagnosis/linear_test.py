@@ -108,10 +108,7 @@ def plain_mistake(problem: MomentumProblem) -> list[Check]:
     """A convention that is plainly another one, which no fit is needed to see."""
     fits = problem.fits
     left = np.array([_part_left(fits.pi), _part_left(fits.phi)])
-    if problem.samples.unknown_thrust or problem.robot.passive:
-        # Linear equations know nothing of thrust, nor of what swings.
-        return []
-    if not (left > ABSURD).any():
+    if not problem.linear or not (left > ABSURD).any():
         return []
     if not np.any((left > ABSURD) & (_white_parts(problem) < 1 / FALLS)):
         return []

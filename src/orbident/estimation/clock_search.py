@@ -221,9 +221,10 @@ def _far(problem: MomentumProblem) -> Delay:
 def misfit(shown: Estimate) -> float:
     """Minus twice the logarithm of the likelihood, each sensor's noise at its best.
 
-    That of a robot: of a mass below zero it is, to first order, that at no inverse of
-    the mass, beyond which robots are.
+    No robot has a mass below zero. Such a fit counts, to first order, as the nearest
+    one that a robot may have: that whose inverse of the mass is zero.
     """
     left = (each.measured - each.predicted for each in shown.signals)
     fitted = sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
-    return fitted + (min(shown.mass.value, 0.0) / shown.mass.std) ** 2
+    M = shown.mass
+    return fitted + (M.value / M.std) ** 2 if M.value < 0 else fitted

@@ -138,7 +138,8 @@ def _convergence(
         return
     reason, remedy = "the estimate still changes from step to step", CAUSES
     goodness, mass = shown.goodness, shown.mass
-    if goodness is not None and goodness.per_dof < NOISY**2:
+    small = goodness is not None and goodness.per_dof < NOISY**2
+    if small and not shown.converged:
         reason = "residuals are as small as noise, and hardly show what still changes"
         longer = long_enough(problem, mass.value, mass.std)
         remedy = f"record a richer or longer motion{longer}"

@@ -171,8 +171,8 @@ class Estimate(BesideParameters):
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""
     rise: float = 1.0
-    """By how much chi-square rises where the mass is one deviation off, and all else
-    follows: by one, where deviations hold."""
+    """Chi-square rises by so much where the total mass is held one deviation away from
+    its estimate and all other unknowns are fitted again: by one, if deviations hold."""
     signals: Signals = ()
     """What sensors showed and what was predicted, where sensors are what is fitted."""
     solution: Solution | None = None
@@ -224,7 +224,7 @@ def estimate_of_beta(
             knows nothing of joints that nobody measures.
     """
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not (problem.samples.unknown_thrust or disturbed or problem.robot.passive):
+    if problem.linear and not disturbed:
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

@@ -98,6 +98,11 @@ class MomentumProblem:
         return corrections(self.clocks)
 
     @property
+    def linear(self) -> bool:
+        """Whether linear equations know all that moves it: no thrust, no springs."""
+        return not (self.samples.unknown_thrust or self.robot.passive)
+
+    @property
     def scale_seen(self) -> bool:
         """Whether the wheels' momentum shows how large all parameters are."""
         pi, h_rw = self.fits.pi, self.fits.h_rw

@@ -58,8 +58,9 @@ MASS_BESIDE_NOMINAL = "mass beside the nominal one"
 """The check's name."""
 
 HOLDS = 0.7
-"""Of the one by which chi-square rises one deviation away: where it rises by less, the
-deviation is a fifth too small or more."""
+"""Chi-square rises by one where the mass is held one deviation away from its estimate,
+if the deviation holds. Where it rises by less than this, the deviation is a fifth too
+small or more."""
 
 IN_WHEELS = "with more momentum in the wheels"
 
@@ -324,8 +325,8 @@ def mass_checks(
         least = by_sensors if M > 0 else M
         nothing, sure = np.isnan(least), shown.mass.std < -VAGUE * by_sensors
         found = "nothing tells it" if nothing else f"found {least:.4g} kg, below zero"
-        remedy = f"record a longer motion{more}, {IN_WHEELS}"
-        remedy = OF_SIGNS if sure else remedy
+        longer = f"record a longer motion{more}, {IN_WHEELS}"
+        remedy = OF_SIGNS if sure else longer
         yield Check("mass", "do not trust", f"mass: {found}", remedy)
     elif history is not None and not history.determined[0]:
         yield Check(
@@ -358,7 +359,7 @@ def mass_checks(
 
 def long_enough(problem: MomentumProblem, M: float, std: float) -> str:
     """How long a motion like it has to be: deviations fall with the root of time."""
-    vague = std / (VAGUE * abs(M))
+    vague = std / (VAGUE * abs(M)) if M else np.inf
     times = max(vague**2, TWICE)
     if not times < MOST_TIMES:
         return ""
@@ -372,9 +373,7 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     declared noise say that the equations hold, they do not count.
     """
     goodness = estimate.goodness
-    if problem.samples.unknown_thrust or (goodness is not None and goodness.declared):
-        return
-    if problem.robot.passive:
+    if not problem.linear or (goodness is not None and goodness.declared):
         return
     mass = problem.linear_mass
     if mass.value > 0 and mass.spread < SPREAD:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from valved_satellite import Truth, flown, satellite, with_dead
 
+from orbident.diagnosis.frames import point_of_a_link
 from orbident.diagnosis.recorded_pulses import (
     pulses_put_right,
     shown_pulses,
@@ -146,6 +147,12 @@ def test_nothing_is_said_of_what_is_right(tmp_path):
     assert shown.late == pytest.approx(0.14, abs=0.05)
     assert shown.alike.diagonal().min() > 0.98
     assert slow_duty(problem) is None
+
+
+def test_no_link_has_the_marker_of_a_robot_without_joints(tmp_path):
+    """It was an internal error."""
+    problem = problem_of(satellite(tmp_path), flown(truth(4), 4))
+    assert [*point_of_a_link(problem)] == []
 
 
 def test_in_space_with_wheels(tmp_path):

@@ -292,11 +292,11 @@ def _driven(robot: Robot, equations: Problem) -> tuple[str, ...]:
 def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     """A first `beta` by the linear fits; or by CAD, where these know too little.
 
-    They know nothing of thrust, nor of what swings, which makes them bodies that cannot
-    exist. So it is where torques alone say how large it is.
+    Thrust and what swings make them bodies that cannot exist. So it is where torques
+    alone say how large the robot is.
     """
     robot = problem.robot
-    if problem.samples.unknown_thrust or robot.passive or not problem.scale_seen:
+    if not (problem.linear and problem.scale_seen):
         return problem.sets.beta(robot.theta)
     return beta_of_fits(robot, problem.sets, problem.fits).values
 

@@ -31,10 +31,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
     surprise_of,
 )
 from orbident.estimation.output_error.joint_laws import ENOUGH
-from orbident.estimation.output_error.mass_profile import (
-    at_its_least,
-    known_mass,
-)
+from orbident.estimation.output_error.mass_profile import at_its_least, known_mass
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
@@ -173,9 +170,15 @@ class Search:
         Where the cost is less with another mass, the search goes on from there.
         """
         problem = self.problem
-        noise = {"least": self.least, "declared": self.declared}
-        how = {"progress": self.progress, "steps": self.steps, "hasty": self.hasty}
-        settle = partial(fitted, problem, **noise, **how)
+        settle = partial(
+            fitted,
+            problem,
+            least=self.least,
+            declared=self.declared,
+            progress=self.progress,
+            steps=self.steps,
+            hasty=self.hasty,
+        )
         found = settle(first)
         if not self.hasty:
             found = at_its_least(problem, found, settle, self.progress, self.steps)

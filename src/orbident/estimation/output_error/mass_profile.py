@@ -21,7 +21,6 @@ PLAIN = 0.05
 """Relative deviation of the mass below which the cost is a parabola: in recordings of
 10 to 30 s it then rose by 0.93 to 1.03."""
 
-
 ROUNDS = 6
 """Times that a search goes on at another mass, at most."""
 
@@ -30,7 +29,8 @@ class Profile(NamedTuple):
     """What was found on both sides of a mass."""
 
     rise: float
-    """By how much the cost rises one deviation off, on the side where it does less."""
+    """The cost rises by so much where the mass is held one deviation above or below its
+    estimate, whichever is less; it may fall."""
     there: Unknowns
     """The state on that side."""
 

@@ -139,7 +139,8 @@ class Fitted(NamedTuple):
     convergence: Convergence
     """The steps of all rounds."""
     rise: float = 1.0
-    """That of the cost where the mass is one deviation off: one, where it holds."""
+    """The cost rises by so much where the mass is held one deviation away from its
+    estimate: by one, if the deviation holds."""
 
     @property
     def settled(self) -> bool:

@@ -144,7 +144,7 @@ def _corrected(
     than it gains: the next step takes that away (Fletcher 1982). Where that costs more,
     too, the boundaries alone are corrected, and the parameters stay where they are.
     """
-    first, first_cost = there, new_cost = equations_at(problem, weights, prior, moved)
+    first, first_cost = equations_at(problem, weights, prior, moved)
     for alone in (False, True):
         there, new_cost, last = first, first_cost, np.inf
         while cost <= new_cost < FALLS * last:

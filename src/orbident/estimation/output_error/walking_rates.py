@@ -29,6 +29,10 @@ from orbident.model.core_robot import wheels_of
 RANGE = 1e6
 """How far a density may be from the last guess, as a factor."""
 
+LEAST = 0.01
+"""Deviations of the pose, as all samples tell it, by which a walk moves it over all of
+the recording at least: where none is seen, any smaller one is as likely."""
+
 STEP = 0.05
 """Step of a density's logarithm for second differences: it is known to some tenths."""
 
@@ -110,9 +114,12 @@ def _most_likely(
         v, S = _core.innovations(t, errors, level**2 * variance, coloured)
         return float(axes.size * np.sum(np.log(S)) + np.sum(np.sum(v**2, axis=1) / S))
 
-    start = np.log([parts[axes[0], RATE_WALK], 1.0])
+    # Its integral has the deviation p sqrt(T^3 / 3).
+    least = LEAST * np.sqrt(3 / (t[-1] - t[0]) ** 3 / np.sum(1 / variance))
+    start = np.log([max(parts[axes[0], RATE_WALK], least), 1.0])
     around = start - LOOK * np.array([[0, 0], [1, 0], [0, -1]])
     limits = [(each - np.log(RANGE), each + np.log(RANGE)) for each in start]
+    limits[0] = np.log(least), limits[0][1]
     options = {"initial_simplex": around}
     # A bound that is met would flatten the simplex.
     found = minimize(

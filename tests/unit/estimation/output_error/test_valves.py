@@ -15,6 +15,9 @@ from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot, write_robot
 
 KNOWN = "known: {mass: 23.09 +- 0.01 kg}\n"
+FLOOR = f"""{KNOWN}
+disturbances: {{torque_walk: free, force_walk: free, pull: 2 mm/s^2}}
+"""
 
 
 def drawn(seed: int, **more: object) -> Truth:
@@ -110,11 +113,8 @@ def spread(recording: Recording, name: str) -> float:
 def test_a_floor_that_pushes_at_random(tmp_path):
     """Densities are found, and what they hide is in the deviations."""
     walks = (3e-3, 2e-2)
-    more = KNOWN + (
-        "disturbances: {torque_walk: free, force_walk: free, pull: 2 mm/s^2}\n"
-    )
     truth = with_dead(drawn(5, walks=walks), 6)
-    result = identify(satellite(tmp_path, more=more), flown(truth, 5))
+    result = identify(satellite(tmp_path, more=FLOOR), flown(truth, 5))
     assert result.status == "ok", result.warnings
     assert dead_ones(result) == ["t6"]
     z = scores(result, truth)
@@ -124,6 +124,17 @@ def test_a_floor_that_pushes_at_random(tmp_path):
         # That of a torque is by the nominal inertia, which is a tenth too small, and
         # that of a force by a mass that is an eighth too small.
         assert found.value == pytest.approx(true, rel=0.35)
+
+
+@pytest.mark.parametrize("seed", [2, 6])
+def test_a_floor_that_does_not_push(tmp_path, seed):
+    """Of walks that nobody sees any size is as likely: continuity is not lost by it."""
+    truth = Truth(clock=0.1, pulse=0.03)
+    result = identify(satellite(tmp_path, more=FLOOR), flown(truth, seed))
+    assert (result.status, result.warnings) == ("ok", ())
+    assert max(map(abs, scores(result, truth).values())) < 4
+    walk = result.disturbances["force_walk"]
+    assert 1e-9 < walk.value < walk.std
 
 
 def test_a_cm_from_a_balance(tmp_path):
