@@ -137,18 +137,20 @@ def _clock_of(
         there, shown = plainly(late)
         return _Fit(there, shown.tested() if fit.tested and shown.tested else shown)
 
+    def explains(there: _Fit) -> bool:
+        """A clock that does not may stand for what is wrong."""
+        checks = residual_checks(there.problem, there.shown)
+        return all(check.level != "do not trust" for check in checks)
+
     # Only on the clock that settles it is it asked what else acts: that takes longest.
     settled = _settled(start, plainly)
-    found = _settled(settled.clock if settled else start, in_full)
+    found = _settled(settled.clock if settled else start, in_full, explains)
     if found is None or misfit(found.fit.shown) > misfit(shown) - WORTH:
         return punctual, first
-    clock, there = found
+    clock = found.clock
     if abs(clock.late) > LONGEST:
         return clock._replace(believed=False, apart=True), first
-    # A clock that does not explain the recording may stand for what is wrong.
-    checks = residual_checks(there.problem, there.shown)
-    fits = all(check.level != "do not trust" for check in checks)
-    return found if fits else (punctual, first)
+    return found
 
 
 def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
@@ -165,12 +167,17 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
     return Delay(float(late), float(std), believed=False), WORTH < fall == most
 
 
-def _settled(clock: Delay, fitted: Callable[[float], _Fit]) -> _Settled | None:
+def _settled(
+    clock: Delay,
+    fitted: Callable[[float], _Fit],
+    explains: Callable[[_Fit], bool] = bool,
+) -> _Settled | None:
     """The clock that is freed again and again, where that comes to an end.
 
     Args:
         clock: where the search starts.
         fitted: the fit on a clock that is so late, s.
+        explains: whether a fit that frees it leaves nothing to explain.
     """
     for _ in range(ROUNDS if clock.late else 0):
         try:
@@ -178,7 +185,7 @@ def _settled(clock: Delay, fitted: Callable[[float], _Fit]) -> _Settled | None:
         except InputError:  # Too little is left where all clocks show something.
             return None
         error = fit.shown.calibration[CLOCK]
-        if not fit.shown.converged:
+        if not fit.shown.converged or not explains(fit):
             return None
         if abs(error.value) < max(SETTLED, error.std):
             matters = abs(clock.late) > max(LEAST, SURE * error.std)

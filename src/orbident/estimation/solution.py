@@ -104,6 +104,11 @@ class Unknowns(NamedTuple):
         x_WB, local = self.x_WB[boundaries], self.local[boundaries]
         return self._replace(x_WB=x_WB, local=local)
 
+    @property
+    def ratios(self) -> list[int]:
+        """Places of what the motion shows as ratios to the mass, and of the mass."""
+        return [0, 1, 2, *range(OUTSIDE, self.common.size - self.selected.size)]
+
     def grown(self, g: Float[np.ndarray, " common"]) -> float:
         """How many times as large the mass is after a step.
 
@@ -127,7 +132,7 @@ class Unknowns(NamedTuple):
         local = self.local + z
         local[:, :3] = 0.0
         common = self.common + g
-        of_ratios = [0, 1, 2, *range(OUTSIDE, common.size - self.selected.size)]
+        of_ratios = self.ratios
         x = self.common[of_ratios]
         with np.errstate(over="ignore", invalid="ignore"):
             shown = common[of_ratios] - x * (g[OUTSIDE] / self.common[OUTSIDE])
@@ -264,6 +269,13 @@ class Prior(NamedTuple):
                 rows[:, -1] = _unexplained(equations, state)
                 factor = fold(factor, rows)
         return factor
+
+    def slope(self, state: Unknowns) -> Float[np.ndarray, " common"]:
+        """Half the derivatives of the cost."""
+        by = (state.common - self.values) / self.std**2
+        for x in self.equations:
+            by[: x.shape[1] - 1] -= x[:, :-1].T @ _unexplained(x, state)
+        return by
 
     def cost(self, state: Unknowns) -> float:
         """Squared, whitened."""

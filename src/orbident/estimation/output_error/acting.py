@@ -35,6 +35,7 @@ from orbident.estimation.output_error.recorded_thrust import (
     SHARED,
     RecordedThrust,
     ThrustErrors,
+    bends,
     evenly,
 )
 from orbident.estimation.output_error.shooting import Intervals, with_middles
@@ -330,9 +331,20 @@ class Acting:
         self, at: Unknowns, g: Float[np.ndarray, " common"]
     ) -> Float[np.ndarray, " common"]:
         """A step from a state, along which what it shows of what acts is kept."""
-        first = self.first + SHARED + len(self.recorded)
-        acts = self.momenta if (at.selected >= first).any() else NOTHING_SELECTED
+        acts = self._acting_at(at)
         return evenly(at, g, self.first, self.followed.samples.wrenches, acts)
+
+    def bends(
+        self, at: Unknowns, slope: Float[np.ndarray, " common"]
+    ) -> Float[np.ndarray, "common common"]:
+        """How a cost with these slopes bends along steps that `evenly` changes."""
+        acts = self._acting_at(at)
+        return bends(at, slope, self.first, self.followed.samples.wrenches, acts)
+
+    def _acting_at(self, at: Unknowns) -> Float[np.ndarray, " some"]:
+        """Places of what gives momentum; none is worked out where none is selected."""
+        first = self.first + SHARED + len(self.recorded)
+        return self.momenta if (at.selected >= first).any() else NOTHING_SELECTED
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""

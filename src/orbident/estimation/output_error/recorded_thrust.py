@@ -188,6 +188,40 @@ def evenly(
     return moved
 
 
+def bends(
+    at: Unknowns,
+    slope: Float[np.ndarray, " common"],
+    first: int,
+    wrenches: Sequence[RecordedWrench],
+    momenta: Float[np.ndarray, " some"] = NOTHING_SELECTED,
+) -> Float[np.ndarray, "common common"]:
+    """Second derivatives, along such steps, of a cost that is linear in the unknowns.
+
+    To second order a step adds `e dx` to a numerator `x`, with `e = dM / M`, and to a
+    gain `e (dg_k + (1 + g_k) f) - f dg_k`, with `f = ds / (1 + s)`.
+
+    Args:
+        at: where the steps start.
+        slope: the cost's derivatives.
+        first: as for `evenly`, like those that follow.
+        wrenches: see there.
+        momenta: see there.
+    """
+    place = {int(x) - first: k for k, x in enumerate(at.selected)}
+    own = slope.size - len(place)
+    acts = own + np.flatnonzero(np.isin(at.selected, momenta))
+    even, out = [*at.ratios, *acts], np.zeros((slope.size, slope.size))
+    out[OUTSIDE, even] = slope[even] / at.beta[0]
+    if SCALE in place:
+        each = [place[SHARED + k] for k, one in enumerate(wrenches) if one.valve]
+        valves, scale = [own + k for k in each], own + place[SCALE]
+        gains, s = 1 + at.common[valves], 1 + at.common[scale]
+        out[OUTSIDE, valves] = slope[valves] / at.beta[0]
+        out[OUTSIDE, scale] = slope[valves] @ gains / (s * at.beta[0])
+        out[scale, valves] = -slope[valves] / s
+    return out + out.T
+
+
 class _Switched(NamedTuple):
     """What holds from each switch until the next; many of them change nothing."""
 

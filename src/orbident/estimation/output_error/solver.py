@@ -4,10 +4,11 @@ The damping follows the ratio of the fall in cost to that expected (Nielsen 1999
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import solve_triangular
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
 
 from orbident.estimation.output_error.problem import Problem, linear
 from orbident.estimation.solution import (
@@ -87,7 +88,9 @@ def solved(
         progress()
         here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
-        g = _damped(factor, damping)
+        # Ratios to the mass change along a line, so that their numerators do not.
+        bends = problem.acting.bends(state, prior.slope(state))
+        g = _damped(factor, damping, bends)
         z = here.step(g)
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
@@ -121,6 +124,7 @@ def solved(
         elif damping > MOST_DAMPING:
             break
         else:
+            tried |= not damping
             damping, raised = max(raised * damping, DAMPING), 2 * raised
         taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
@@ -198,9 +202,20 @@ def _size(here: Linear) -> float:
 
 
 def _damped(
-    factor: Float[np.ndarray, "n n"], damping: float
+    factor: Float[np.ndarray, "n n"],
+    damping: float,
+    bends: Float[np.ndarray, "common common"] | None = None,
 ) -> Float[np.ndarray, " g"]:
+    """The step; `bends` are half the second derivatives of what is known beforehand."""
     if damping:
         size = np.sqrt(damping) * np.linalg.norm(factor[:-1, :-1], axis=0)
         factor = fold(factor, np.column_stack([np.diag(size), np.zeros(size.size)]))
-    return solve_triangular(factor[:-1, :-1], factor[:-1, -1])
+    root, whole = factor[:-1, :-1], factor[:-1, -1]
+    if bends is not None and bends.any():
+        half = solve_triangular(root, bends, trans=1, check_finite=False)
+        both = solve_triangular(root, half.T, trans=1, check_finite=False)
+        # Far from the least cost it may bend downwards: then it is taken as straight.
+        with suppress(LinAlgError):
+            curvature = cho_factor(np.eye(whole.size) + both, check_finite=False)
+            whole = cho_solve(curvature, whole)
+    return solve_triangular(root, whole)

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from orbident.estimation.output_error.recorded_thrust import SCALE, SHARED, evenly
+from orbident.estimation.output_error.recorded_thrust import (
+    SCALE,
+    SHARED,
+    bends,
+    evenly,
+)
 from orbident.estimation.solution import OUTSIDE, Unknowns
 from orbident.preprocessing.wrenches import RecordedWrench
 
@@ -66,6 +71,21 @@ def test_ratios_change_by_their_slope(seed, scale_known):
     np.testing.assert_allclose(tiny.common, at.common + 1e-6 * g, atol=1e-11)
     if not scale_known:
         assert whole.common[-1] == at.common[-1] + g[-1]
+
+
+@pytest.mark.parametrize("scale_known", [False, True])
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_linear_in_the_unknowns_bends(seed, scale_known):
+    """Beside second differences along a step."""
+    random = np.random.default_rng(seed)
+    at = state(random, FIRST + np.arange(-1.0, SHARED + 6))
+    if scale_known:
+        at = at.carried(np.array([FIRST, *TORQUES]))
+    slope, g = random.standard_normal((2, at.common.size))
+    h = 1e-4
+    ends = [slope @ stepped(at, by * g).common for by in (-h, 0.0, h)]
+    bend = g @ bends(at, slope, FIRST, VALVES, TORQUES) @ g
+    assert bend == pytest.approx((ends[0] - 2 * ends[1] + ends[2]) / h**2, rel=1e-4)
 
 
 def test_where_the_scale_is_no_unknown_a_step_is_as_it_is():
