@@ -84,6 +84,13 @@ def by_step(x: Float[np.ndarray, "nodes ..."]) -> Float[np.ndarray, "steps 3 ...
     return np.stack([x[:-1:2], x[1::2], x[2::2]], axis=1)
 
 
+def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..."]:
+    """What holds from each node on."""
+    out = np.empty((2 * len(x) + 1, *x.shape[2:]))
+    out[:-1:2], out[1::2], out[-1] = x[:, 0], x[:, 1], x[-1, 2]
+    return out
+
+
 def integral(
     t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "steps 3 ..."]
 ) -> Float[np.ndarray, "nodes ..."]:

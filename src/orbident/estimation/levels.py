@@ -45,6 +45,9 @@ LEVELS: dict[Rule, float] = {
 }
 """The probability of a false alarm, in one recording if not said otherwise."""
 
+TIMES = 3.0
+"""So many times the nominal mass is no error of a CAD model."""
+
 
 def limit(rule: Rule, numbers: int, among: int = 1) -> float:
     """What chance exceeds with the probability of a rule.

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
+from orbident.estimation.levels import TIMES
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
@@ -38,9 +39,6 @@ WHITE_ONLY = (
     "use the first: the deviations of Eq. 32 count white noise only, so they are too "
     "narrow where encoders or a drift add to it"
 )
-
-TIMES = 3.0
-"""So many times the nominal mass is no error of a CAD model."""
 
 WHEEL_UNITS = {
     "degrees per second": 180 / math.pi,

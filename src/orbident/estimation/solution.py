@@ -318,6 +318,13 @@ class Solution(NamedTuple):
         root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
         return np.asarray(root @ root.T)
 
+    @property
+    def mass(self) -> tuple[float, float]:
+        """The total mass and its deviation, kg."""
+        C, common = self.covariance, self.state.common
+        place = len(C) - common.size + OUTSIDE
+        return float(common[OUTSIDE]), float(np.sqrt(C[place, place]))
+
 
 class Shared(NamedTuple):
     """Whitened equations of `beta` and of errors of instruments, to first order."""

@@ -27,14 +27,13 @@ from jaxtyping import Float
 
 from orbident.environment.agent import Disturbance
 from orbident.environment.agents import AGENTS, FILM, FREE, STEADY, std_of
-from orbident.environment.motion import PointMotion, RobotMotion
+from orbident.environment.motion import PointMotion, RobotMotion, at_nodes
 from orbident.environment.worlds import (
     Scale,
     radius_of_gyration,
     scale_of,
     what_may_act,
 )
-from orbident.estimation.output_error.acting import at_nodes
 from orbident.excitation.floating import (
     Gradient,
     NodalMotion,

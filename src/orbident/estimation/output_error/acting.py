@@ -24,6 +24,7 @@ from orbident.environment.motion import (
     Effect,
     PointMotion,
     RobotMotion,
+    at_nodes,
     by_step,
     integral,
     straight,
@@ -154,13 +155,6 @@ class Followed:
         return self.motion.R_WB @ (by_theta @ self.sets.base.theta_of)
 
 
-def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..."]:
-    """What holds from each node on."""
-    out = np.empty((2 * len(x) + 1, *x.shape[2:]))
-    out[:-1:2], out[1::2], out[-1] = x[:, 0], x[:, 1], x[-1, 2]
-    return out
-
-
 LONGEST = 2**15
 """Rows of a recording in which something may act: tables of it take 3 kB a row."""
 
@@ -240,9 +234,8 @@ class Acting:
     def expected(self) -> tuple[Unknown, ...]:
         """Those that have a size; what they are is worked out only if any has."""
         few = self.followed.intervals.t.size <= LONGEST
-        if not few or not any(each.size for each in self.allowed.values()):
-            return ()
-        return tuple(each for each in self.unknowns if each.std)
+        any_size = few and any(each.size for each in self.allowed.values())
+        return tuple(x for x in self.unknowns if x.std) if any_size else ()
 
     def table(
         self,
@@ -316,9 +309,8 @@ class Acting:
             selected: and their places.
         """
         table = self.table(beta, gains, selected)
-        if not table.size:
-            return None
-        return OutsideMomentum(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
+        given = self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0]
+        return OutsideMomentum(*given) if table.size else None
 
     @cached_property
     def momenta(self) -> Float[np.ndarray, " some"]:
@@ -331,15 +323,15 @@ class Acting:
         self, at: Unknowns, g: Float[np.ndarray, " common"]
     ) -> Float[np.ndarray, " common"]:
         """A step from a state, along which what it shows of what acts is kept."""
-        acts = self._acting_at(at)
-        return evenly(at, g, self.first, self.followed.samples.wrenches, acts)
+        thrust = self.followed.samples.wrenches
+        return evenly(at, g, self.first, thrust, self._acting_at(at))
 
     def bends(
         self, at: Unknowns, slope: Float[np.ndarray, " common"]
     ) -> Float[np.ndarray, "common common"]:
         """How a cost with these slopes bends along steps that `evenly` changes."""
-        acts = self._acting_at(at)
-        return bends(at, slope, self.first, self.followed.samples.wrenches, acts)
+        thrust = self.followed.samples.wrenches
+        return bends(at, slope, self.first, thrust, self._acting_at(at))
 
     def _acting_at(self, at: Unknowns) -> Float[np.ndarray, " some"]:
         """Places of what gives momentum; none is worked out where none is selected."""

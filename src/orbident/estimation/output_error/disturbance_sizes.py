@@ -35,6 +35,9 @@ from orbident.estimation.output_error.walking_rates import (
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit, Unknown
 
+IMPOSSIBLE = 3.0
+"""Deviations below zero that something positive is not by chance."""
+
 
 def identified(
     problem: Problem,
@@ -172,6 +175,14 @@ def _surprise(
     seen = told > TOLD
     u = (axes.T @ (value / std))[seen]
     return ChiSquare(float(np.sum(u**2 / told[seen])), int(seen.sum()))
+
+
+def acts_backwards(problem: Problem, solution: Solution, family: str) -> bool:
+    """Whether it pushes where it can only brake."""
+    value, C = sizes_of(problem, solution, family)
+    chosen = selected_of(problem, solution.state, family)
+    positive = np.array([each.positive for each in chosen], dtype=bool)
+    return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())
 
 
 def selected_of(problem: Problem, state: Unknowns, *families: str) -> list[Unknown]:

@@ -25,25 +25,17 @@ from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, UNTESTED, WAL
 from orbident.estimation.levels import ChiSquare, integrated_out, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
-    selected_of,
+    acts_backwards,
     size_of,
-    sizes_of,
     surprise_of,
 )
 from orbident.estimation.output_error.joint_laws import ENOUGH
-from orbident.estimation.output_error.mass_profile import at_its_least, known_mass
+from orbident.estimation.output_error.mass_profile import at_its_least, of_no_robot
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero
 from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
-
-IMPOSSIBLE = 3.0
-"""Deviations below zero that something positive is not by chance."""
-
-NO_ROBOT = 10.0
-"""Deviations that a mass is below zero because of a sign: what acts drew it there by
-three, of a robot on a table with a hose."""
 
 ROUNDS = 6
 """Times that a family is freed, at most."""
@@ -56,7 +48,11 @@ BAD = 10.0
 """Chi-square of a sample beyond which it is asked whether there is any hope."""
 
 LEFT = 0.7
-"""The part of chi-square that a family leaves, at most, if it acts."""
+"""The part of chi-square of a bad fit that a family leaves, at most, if it acts."""
+
+FURTHER = 10.0
+"""Times what it would explain to first order: no instrument that was tried explained
+more than three."""
 
 FEW_STEPS = 12
 """Steps of a search that tries something: where it is right, fewer are needed."""
@@ -221,9 +217,7 @@ def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
     hopeless = search.hasty and _bad(search.problem, cost) and not solution.converged
-    # What acts makes no mass negative: a sign does.
-    mass, std = known_mass(solution)
-    hopeless |= mass < -NO_ROBOT * std
+    hopeless |= of_no_robot(*solution.mass, search.nominal.beta[0])
     if hopeless or search.problem.t.size > LONGEST:
         return fit
     search = replace(search, problem=_predicting(search.problem, found))
@@ -231,8 +225,7 @@ def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     while len(freed) < ROUNDS:
         # One that was freed is as large as is most likely.
         best = _best(search, zeros, cost, {*excluded, *freed})
-        # At no least cost the next test would mean nothing.
-        if best is None or not best[-1].converged:
+        if best is None:
             break
         family, search, solution = best
         freed, cost = (*freed, family), solution.cost
@@ -317,33 +310,54 @@ def _best(
         solution = freed.freed(trial=near)
         numbers = len(problem.unknowns([family]))
         chance = solution.cost + limit("disturbance", numbers) >= cost
-        # Without a least cost there is nothing to compare.
-        possible = solution.converged and not _impossible(problem, solution, family)
-        if possible and not chance:
+        if not chance and _possible(search, solution, family):
             worth = integrated_out(cost, solution.cost, numbers)
             tried.append((worth, family, freed, solution))
     if not tried:
         return None
     least, family, freed, solution = min(tried, key=lambda each: each[0])
-    if _hopeless(problem, solution, cost):
+    if _bad(problem, solution.cost) and solution.cost > LEFT * cost:
         return None
     if family in problem.gains:
         # It is an instrument itself.
         return family, freed, solution
-    for instrument in _likely(_errors(zeros)):
-        with_it = search.freed([instrument], near)
-        if integrated_out(cost, with_it.cost, 1) < least:
-            return None
+    if _by_an_instrument(search, zeros, cost, near, least):
+        return None
     size = size_of(freed.problem, solution, family)
-    allowed = search.problem.acting.allowed
-    alike = {
-        each: max(size, allowed[each].size if each in allowed else 0.0)
-        for each in ALIKE[family]
-        if each not in beside
-    }
+    sizes = {name: each.size for name, each in problem.acting.allowed.items()}
+    others = [each for each in ALIKE[family] if each not in beside]
+    alike = {each: max(size, sizes.get(each, 0.0)) for each in others}
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
-    return family, sized, sized.freed(trial=[solution.state])
+    solution = sized.freed(trial=[solution.state])
+    return (family, sized, solution) if _possible(search, solution, family) else None
+
+
+def _possible(search: Search, solution: Solution, family: str) -> bool:
+    """Whether there is a least cost to compare, of a robot, and of what can act so."""
+    return (
+        solution.converged
+        and not of_no_robot(*solution.mass, search.nominal.beta[0])
+        and not acts_backwards(search.problem, solution, family)
+    )
+
+
+def _by_an_instrument(
+    search: Search,
+    zeros: TakenForZero,
+    cost: float,
+    near: Sequence[Unknowns],
+    least: float,
+) -> bool:
+    """Whether one that is off is likelier than what has this evidence."""
+    excess = _errors(zeros)
+    for instrument in _likely(excess):
+        most = cost * (1 - FURTHER * excess[instrument] / zeros.solution.cost)
+        if integrated_out(cost, most, 1) < least:
+            with_it = search.freed([instrument], near)
+            if integrated_out(cost, with_it.cost, 1) < least:
+                return True
+    return False
 
 
 def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
@@ -381,23 +395,6 @@ def _likely(beyond: Mapping[str, float]) -> list[str]:
     return sorted(likely, key=lambda name: -beyond[name])[:TRIED]
 
 
-def _hopeless(problem: Problem, more: Solution, before: float) -> bool:
-    """Whether the fit is bad, and a family more explains hardly any of it.
-
-    At no least cost the next test would mean as little as the one before.
-    """
-    little = more.cost > LEFT * before
-    return _bad(problem, more.cost) and (little or not more.converged)
-
-
 def _bad(problem: Problem, cost: float) -> bool:
     samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
     return cost > BAD * samples
-
-
-def _impossible(problem: Problem, solution: Solution, family: str) -> bool:
-    """Whether it pushes where it can only brake."""
-    value, C = sizes_of(problem, solution, family)
-    chosen = selected_of(problem, solution.state, family)
-    positive = np.array([each.positive for each in chosen], dtype=bool)
-    return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())

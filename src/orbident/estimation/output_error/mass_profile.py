@@ -9,8 +9,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
-
+from orbident.estimation.levels import TIMES
 from orbident.estimation.output_error.joint_laws import HELD
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
@@ -20,6 +19,10 @@ from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 PLAIN = 0.05
 """Relative deviation of the mass below which the cost is a parabola: in recordings of
 10 to 30 s it then rose by 0.93 to 1.03."""
+
+NO_ROBOT = 10.0
+"""Deviations by which a mass is beyond what it may be: what acts drew it below zero by
+three, of a robot on a table with a hose."""
 
 ROUNDS = 6
 """Times that a search goes on at another mass, at most."""
@@ -35,11 +38,13 @@ class Profile(NamedTuple):
     """The state on that side."""
 
 
-def known_mass(solution: Solution) -> tuple[float, float]:
-    """The total mass and its deviation, kg."""
-    C, common = solution.covariance, solution.state.common
-    place = len(C) - common.size + OUTSIDE
-    return float(common[OUTSIDE]), float(np.sqrt(C[place, place]))
+def of_no_robot(M: float, std: float, nominal: float) -> bool:
+    """Whether the mass is far from any that CAD may have, kg.
+
+    What acts makes no mass so: a sign does, and a torque that stands for the wheels'.
+    """
+    sure = NO_ROBOT * std
+    return bool(M + sure < nominal / TIMES or M - sure > nominal * TIMES)
 
 
 def at_its_least(
@@ -86,7 +91,7 @@ def profile(
         steps: at most, on either side.
     """
     state, prior, n = found.state, found.prior, found.state.common.size
-    mass, std = known_mass(found)
+    mass, std = found.mass
     if not found.converged or found.linear.given_up:
         return None
     if not PLAIN * mass < std < mass:

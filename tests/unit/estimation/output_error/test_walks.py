@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from small_problems import small_problem, small_recording, small_robot
 
-from orbident.environment.motion import by_step
+from orbident.environment.motion import at_nodes, by_step, integral
 from orbident.environment.torques_and_forces import WAVES
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error import problem
-from orbident.estimation.output_error.acting import at_nodes, integral
 from orbident.estimation.output_error.disturbance_sizes import most_likely_densities
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import Result
