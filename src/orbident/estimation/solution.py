@@ -208,9 +208,11 @@ class Linear(NamedTuple):
                 link[:, :n], np.hstack([np.eye(n), -link[:, n:-1]])
             )
             root, on = solved[:, :n], solved[:, n : 2 * n]
-            by = on @ by
-            by[:, n:] += solved[:, 2 * n :]
-            own = on @ own @ on.T + root @ root.T
+            # A search that led nowhere may end where intervals have nothing in common.
+            with np.errstate(over="ignore", invalid="ignore"):
+                by = on @ by
+                by[:, n:] += solved[:, 2 * n :]
+                own = on @ own @ on.T + root @ root.T
         return End(by, own)
 
 

@@ -40,6 +40,10 @@ FALLS = 0.5
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
+NEAR = 10.0
+"""Deviations: the last step's size from which on what is known beforehand may bend.
+Far from the least cost it would draw the mass to zero, and all numerators with it."""
+
 CORNER = 0.5
 """Deviations. The rate at a row in which a thruster switches changes with its clock to
 one side only. Where the least cost is at such a corner, steps lead from one side of it
@@ -89,7 +93,8 @@ def solved(
         here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
         # Ratios to the mass change along a line, so that their numerators do not.
-        bends = problem.acting.bends(state, prior.slope(state))
+        close = taken[-1].size < NEAR
+        bends = problem.acting.bends(state, close * prior.slope(state))
         g = _damped(factor, damping, bends)
         z = here.step(g)
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
