@@ -222,5 +222,6 @@ def _damped(
         # Far from the least cost it may bend downwards: then it is taken as straight.
         with suppress(LinAlgError):
             curvature = cho_factor(np.eye(whole.size) + both, check_finite=False)
-            whole = cho_solve(curvature, whole)
+            bent = cho_solve(curvature, whole, check_finite=False)
+            whole = bent if np.isfinite(bent).all() else whole
     return solve_triangular(root, whole)
