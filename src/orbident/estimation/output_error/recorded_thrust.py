@@ -211,7 +211,8 @@ def bends(
     own = slope.size - len(place)
     acts = own + np.flatnonzero(np.isin(at.selected, momenta))
     even, out = [*at.ratios, *acts], np.zeros((slope.size, slope.size))
-    out[OUTSIDE, even] = slope[even] / at.beta[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        out[OUTSIDE, even] = slope[even] / at.beta[0]
     if SCALE in place:
         each = [place[SHARED + k] for k, one in enumerate(wrenches) if one.valve]
         valves, scale = [own + k for k in each], own + place[SCALE]
