@@ -31,13 +31,13 @@ from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import Rival, Trial, amended_trial, as_expected
 from orbident.environment.agents import AGENTS
-from orbident.estimation.checks import Check, worst
+from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
-from orbident.estimation.residual_checks import NOISY, residual_checks
+from orbident.estimation.residual_checks import NOISY, leaves_nothing
 from orbident.files.names import joined
 from orbident.recordings.column_checks import float32_step
 from orbident.threads import one_blas_thread
@@ -104,7 +104,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     # Linear equations know nothing of thrust.
     plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
     # Those of a short recording are poor: it is no mistake that all sensors deny.
-    denied = shown is not None and _fits(problem, shown)
+    denied = shown is not None and leaves_nothing(problem, shown)
     if plain and wrong.residuals_alone > FALLS and not denied:
         yield wrong.check()
     elif usual:
@@ -147,17 +147,12 @@ def _of_the_scale(solved: Solved) -> bool:
     robot, found, shown = solved.problem.robot, solved.estimate, solved.shown
     unit = beside_nominal(found.mass, robot.mass, len(robot.wheels))
     # A unit leaves the residuals as they are.
-    alone = found.converged and (shown is None or _fits(solved.problem, shown))
+    alone = found.converged and (shown is None or leaves_nothing(solved.problem, shown))
     wrong = [*solved.hindered, *(unit if alone else [])]
     return any(
         one.level == "do not trust" and one.name in {"scale", MASS_BESIDE_NOMINAL}
         for one in wrong
     )
-
-
-def _fits(problem: MomentumProblem, shown: Estimate) -> bool:
-    """Whether residuals leave nothing to explain."""
-    return worst(residual_checks(problem, shown)) != "do not trust"
 
 
 def _by_trials(
@@ -186,7 +181,7 @@ def _by_trials(
             best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
         yield _explained(best, before)
         return
-    if _fits(solved.problem, shown):
+    if leaves_nothing(solved.problem, shown):
         # Nothing is left to explain: the numbers themselves say what is wrong.
         return
     moved = rigid_motion(solved.problem.robot, solved.problem.samples)

@@ -22,7 +22,7 @@ from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.residual_checks import residual_checks
+from orbident.estimation.residual_checks import leaves_nothing
 from orbident.preprocessing.delays import EXPLAINED, LEAST, LONGEST, SURE, Delay
 
 MOST = 2**13
@@ -137,14 +137,9 @@ def _clock_of(
         there, shown = plainly(late)
         return _Fit(there, shown.tested() if fit.tested and shown.tested else shown)
 
-    def explains(there: _Fit) -> bool:
-        """A clock that does not may stand for what is wrong."""
-        checks = residual_checks(there.problem, there.shown)
-        return all(check.level != "do not trust" for check in checks)
-
     # Only on the clock that settles it is it asked what else acts: that takes longest.
     settled = _settled(start, plainly)
-    found = _settled(settled.clock if settled else start, in_full, explains)
+    found = _settled(settled.clock if settled else start, in_full, sure=True)
     if found is None or misfit(found.fit.shown) > misfit(shown) - WORTH:
         return punctual, first
     clock = found.clock
@@ -170,14 +165,15 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
 def _settled(
     clock: Delay,
     fitted: Callable[[float], _Fit],
-    explains: Callable[[_Fit], bool] = bool,
+    sure: bool = False,
 ) -> _Settled | None:
     """The clock that is freed again and again, where that comes to an end.
 
     Args:
         clock: where the search starts.
         fitted: the fit on a clock that is so late, s.
-        explains: whether a fit that frees it leaves nothing to explain.
+        sure: whether it ends, too, with a fit that leaves something to explain: the
+            clock may then stand for what is wrong.
     """
     for _ in range(ROUNDS if clock.late else 0):
         try:
@@ -185,7 +181,7 @@ def _settled(
         except InputError:  # Too little is left where all clocks show something.
             return None
         error = fit.shown.calibration[CLOCK]
-        if not fit.shown.converged or not explains(fit):
+        if not fit.shown.converged or (sure and not leaves_nothing(*fit)):
             return None
         if abs(error.value) < max(SETTLED, error.std):
             matters = abs(clock.late) > max(LEAST, SURE * error.std)

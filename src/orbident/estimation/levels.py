@@ -45,7 +45,7 @@ LEVELS: dict[Rule, float] = {
 }
 """The probability of a false alarm, in one recording if not said otherwise."""
 
-TIMES = 3.0
+TIMES_CAD = 3.0
 """So many times the nominal mass is no error of a CAD model."""
 
 

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import TIMES
+from orbident.estimation.levels import TIMES_CAD
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
@@ -148,7 +148,7 @@ def beside_nominal(
         torques: whether those of joints were measured.
     """
     times = M.value / nominal
-    if not (times > TIMES or times < 1 / TIMES):
+    if not (times > TIMES_CAD or times < 1 / TIMES_CAD):
         return
     units = [
         unit for unit, factor in WHEEL_UNITS.items() if 1 / NEAR < times / factor < NEAR
@@ -167,7 +167,7 @@ def beside_nominal(
         if wheels and units
         else f"check the unit of {known}, unless the robot holds or has lost a load",
         times,
-        TIMES,
+        TIMES_CAD,
     )
 
 

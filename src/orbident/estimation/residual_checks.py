@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.estimation.checks import Check, Level
+from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit, low_frequencies
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
@@ -45,6 +45,11 @@ def residual_checks(problem: MomentumProblem, estimate: Estimate) -> Iterator[Ch
     yield from _whiteness(estimate)
     yield from _instruments(estimate)
     yield from _tolerances(estimate)
+
+
+def leaves_nothing(problem: MomentumProblem, estimate: Estimate) -> bool:
+    """Whether residuals leave nothing to explain."""
+    return worst(residual_checks(problem, estimate)) != "do not trust"
 
 
 def _noise(estimate: Estimate) -> Iterator[Check]:

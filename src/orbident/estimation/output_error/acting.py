@@ -34,10 +34,9 @@ from orbident.environment.worlds import scale_of, what_may_act
 from orbident.errors import InputError
 from orbident.estimation.output_error.recorded_thrust import (
     SHARED,
+    EvenSteps,
     RecordedThrust,
     ThrustErrors,
-    bends,
-    evenly,
 )
 from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.estimation.solution import NOTHING_SELECTED, Unknowns
@@ -234,8 +233,9 @@ class Acting:
     def expected(self) -> tuple[Unknown, ...]:
         """Those that have a size; what they are is worked out only if any has."""
         few = self.followed.intervals.t.size <= LONGEST
-        any_size = few and any(each.size for each in self.allowed.values())
-        return tuple(x for x in self.unknowns if x.std) if any_size else ()
+        if not few or not any(each.size for each in self.allowed.values()):
+            return ()
+        return tuple(each for each in self.unknowns if each.std)
 
     def table(
         self,
@@ -309,8 +309,9 @@ class Acting:
             selected: and their places.
         """
         table = self.table(beta, gains, selected)
-        given = self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0]
-        return OutsideMomentum(*given) if table.size else None
+        if not table.size:
+            return None
+        return OutsideMomentum(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
 
     @cached_property
     def momenta(self) -> Float[np.ndarray, " some"]:
@@ -319,24 +320,11 @@ class Acting:
         own = [not (each.pull.any() or each.push.any()) for each in effects]
         return np.array([x.place for x in self.unknowns])[np.array(own, dtype=bool)]
 
-    def evenly(
-        self, at: Unknowns, g: Float[np.ndarray, " common"]
-    ) -> Float[np.ndarray, " common"]:
-        """A step from a state, along which what it shows of what acts is kept."""
-        thrust = self.followed.samples.wrenches
-        return evenly(at, g, self.first, thrust, self._acting_at(at))
-
-    def bends(
-        self, at: Unknowns, slope: Float[np.ndarray, " common"]
-    ) -> Float[np.ndarray, "common common"]:
-        """How a cost with these slopes bends along steps that `evenly` changes."""
-        thrust = self.followed.samples.wrenches
-        return bends(at, slope, self.first, thrust, self._acting_at(at))
-
-    def _acting_at(self, at: Unknowns) -> Float[np.ndarray, " some"]:
-        """Places of what gives momentum; none is worked out where none is selected."""
+    def steps_from(self, at: Unknowns) -> EvenSteps:
+        """Steps from a state, along which what it shows of what acts is kept."""
         first = self.first + SHARED + len(self.recorded)
-        return self.momenta if (at.selected >= first).any() else NOTHING_SELECTED
+        acts = self.momenta if (at.selected >= first).any() else NOTHING_SELECTED
+        return EvenSteps(at, self.first, self.followed.samples.wrenches, acts)
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""

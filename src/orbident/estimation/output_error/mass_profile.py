@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from orbident.estimation.levels import TIMES
+from orbident.estimation.levels import TIMES_CAD
 from orbident.estimation.output_error.joint_laws import HELD
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
@@ -44,7 +44,7 @@ def of_no_robot(M: float, std: float, nominal: float) -> bool:
     What acts makes no mass so: a sign does, and a torque that stands for the wheels'.
     """
     sure = NO_ROBOT * std
-    return bool(M + sure < nominal / TIMES or M - sure > nominal * TIMES)
+    return bool(M + sure < nominal / TIMES_CAD or M - sure > nominal * TIMES_CAD)
 
 
 def at_its_least(
@@ -102,7 +102,8 @@ def profile(
         values, known = prior.values.copy(), prior.std.copy()
         values[OUTSIDE], known[OUTSIDE] = mass + side, HELD * std
         g = side * along
-        moved = state.moved(found.linear.step(g), problem.acting.evenly(state, g))
+        even = problem.acting.steps_from(state)
+        moved = state.moved(found.linear.step(g), even.changed(g))
         held = prior._replace(values=values, std=known)
         sides.append(solved(problem, found.weights, held, moved, progress, steps))
     least = min(sides, key=lambda each: each.cost)

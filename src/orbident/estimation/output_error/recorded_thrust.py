@@ -18,13 +18,15 @@ at its start, middle and end.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from orbident.environment.motion import Effect, RobotMotion, by_step
-from orbident.estimation.solution import NOTHING_SELECTED, OUTSIDE, Unknowns
+from orbident.estimation.solution import OUTSIDE, Unknowns
 from orbident.files.bounds import TOGETHER
 from orbident.preprocessing.wrenches import RecordedWrench
 
@@ -152,75 +154,71 @@ class RecordedThrust:
         return _Switched(t[order], opened, falls[order])
 
 
-def evenly(
-    at: Unknowns,
-    g: Float[np.ndarray, " common"],
-    first: int,
-    wrenches: Sequence[RecordedWrench],
-    momenta: Float[np.ndarray, " some"] = NOTHING_SELECTED,
-) -> Float[np.ndarray, " common"]:
-    """A step to first order as it is, that changes ratios to the mass along a line.
+@dataclass(frozen=True)
+class EvenSteps:
+    """Steps from a state that change ratios to the mass along lines.
 
     Of unknown mass and thrust the motion shows the ratio alone, which a long step must
     not change: `t = (1 + s)(1 + g_k)` moves as inertias do (`Unknowns.moved`), and so
     does what gives momentum.
-
-    Args:
-        at: where the step starts.
-        g: the step.
-        first: the place of the clock among what is selected.
-        wrenches: what was recorded to act.
-        momenta: places of what gives momentum beside it.
     """
-    place = {int(x) - first: k for k, x in enumerate(at.selected)}
-    more, own = g[OUTSIDE] / at.beta[0], g.size - len(place)
-    acts = own + np.flatnonzero(np.isin(at.selected, momenta))
-    moved, x = g.copy(), at.common[acts]
-    moved[acts] = at.grown(g) * (x * (1 - more) + g[acts]) - x
-    if SCALE not in place:
+
+    at: Unknowns
+    first: int
+    """The place of the clock among what is selected."""
+    wrenches: Sequence[RecordedWrench]
+    """What was recorded to act."""
+    momenta: Float[np.ndarray, " some"]
+    """Places of what gives momentum beside it."""
+
+    @cached_property
+    def acts(self) -> Int[np.ndarray, " some"]:
+        """Where these are among the common unknowns."""
+        own = self.at.common.size - self.at.selected.size
+        return own + np.flatnonzero(np.isin(self.at.selected, self.momenta))
+
+    @cached_property
+    def thrust(self) -> tuple[int, list[int]] | None:
+        """Where the scale of thrust and gains of valves are; None if it is known."""
+        own = self.at.common.size - self.at.selected.size
+        place = {int(x) - self.first: own + k for k, x in enumerate(self.at.selected)}
+        if SCALE not in place:
+            return None
+        valves = [k for k, each in enumerate(self.wrenches, SHARED) if each.valve]
+        return place[SCALE], [place[k] for k in valves]
+
+    def changed(self, g: Float[np.ndarray, " common"]) -> Float[np.ndarray, " common"]:
+        """A step that is to first order as it is."""
+        at, x = self.at, self.at.common[self.acts]
+        moved, more = g.copy(), g[OUTSIDE] / at.beta[0]
+        moved[self.acts] = at.grown(g) * (x * (1 - more) + g[self.acts]) - x
+        if self.thrust is None:
+            return moved
+        scale, valves = self.thrust
+        s, gains = 1 + at.common[scale], 1 + at.common[valves]
+        change = s * g[valves] + gains * g[scale]
+        t = at.grown(g) * (s * gains * (1 - more) + change)
+        moved[valves] = t / (s + g[scale]) - gains
         return moved
-    valves = [own + place[SHARED + k] for k, each in enumerate(wrenches) if each.valve]
-    scale = own + place[SCALE]
-    s, gains = 1 + at.common[scale], 1 + at.common[valves]
-    change = s * g[valves] + gains * g[scale]
-    t = at.grown(g) * (s * gains * (1 - more) + change)
-    moved[valves] = t / (s + g[scale]) - gains
-    return moved
 
+    def bends(
+        self, slope: Float[np.ndarray, " common"]
+    ) -> Float[np.ndarray, "common common"]:
+        """Second derivatives along them of a cost with this slope by the unknowns.
 
-def bends(
-    at: Unknowns,
-    slope: Float[np.ndarray, " common"],
-    first: int,
-    wrenches: Sequence[RecordedWrench],
-    momenta: Float[np.ndarray, " some"] = NOTHING_SELECTED,
-) -> Float[np.ndarray, "common common"]:
-    """Second derivatives, along such steps, of a cost that is linear in the unknowns.
-
-    To second order a step adds `e dx` to a numerator `x`, with `e = dM / M`, and to a
-    gain `e (dg_k + (1 + g_k) f) - f dg_k`, with `f = ds / (1 + s)`.
-
-    Args:
-        at: where the steps start.
-        slope: the cost's derivatives.
-        first: as for `evenly`, like those that follow.
-        wrenches: see there.
-        momenta: see there.
-    """
-    place = {int(x) - first: k for k, x in enumerate(at.selected)}
-    own = slope.size - len(place)
-    acts = own + np.flatnonzero(np.isin(at.selected, momenta))
-    even, out = [*at.ratios, *acts], np.zeros((slope.size, slope.size))
-    with np.errstate(divide="ignore", invalid="ignore"):
+        To second order a step adds `e dx` to a numerator `x`, with `e = dM / M`, and to
+        a gain `e (dg_k + (1 + g_k) f) - f dg_k`, with `f = ds / (1 + s)`.
+        """
+        at, out = self.at, np.zeros((slope.size, slope.size))
+        even = [*at.ratios, *self.acts]
         out[OUTSIDE, even] = slope[even] / at.beta[0]
-    if SCALE in place:
-        each = [place[SHARED + k] for k, one in enumerate(wrenches) if one.valve]
-        valves, scale = [own + k for k in each], own + place[SCALE]
-        gains, s = 1 + at.common[valves], 1 + at.common[scale]
-        out[OUTSIDE, valves] = slope[valves] / at.beta[0]
-        out[OUTSIDE, scale] = slope[valves] @ gains / (s * at.beta[0])
-        out[scale, valves] = -slope[valves] / s
-    return out + out.T
+        if self.thrust is not None:
+            scale, valves = self.thrust
+            s, gains = 1 + at.common[scale], 1 + at.common[valves]
+            out[OUTSIDE, valves] = slope[valves] / at.beta[0]
+            out[OUTSIDE, scale] = slope[valves] @ gains / (s * at.beta[0])
+            out[scale, valves] = -slope[valves] / s
+        return out + out.T
 
 
 class _Switched(NamedTuple):

@@ -94,8 +94,8 @@ def solved(
         factor = prior.added(here.common, state)
         # Ratios to the mass change along a line, so that their numerators do not.
         close = taken[-1].size < NEAR
-        bends = problem.acting.bends(state, close * prior.slope(state))
-        g = _damped(factor, damping, bends)
+        even = problem.acting.steps_from(state)
+        g = _damped(factor, damping, even.bends(close * prior.slope(state)))
         z = here.step(g)
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
@@ -108,12 +108,12 @@ def solved(
             # The last step may take much of the defects away: what is left is known.
             left = float(factor[-1, -1] ** 2 + np.sum((whole - change) ** 2))
             taken.append(Step(left, size))
-            moved = state.moved(z, problem.acting.evenly(state, g))
+            moved = state.moved(z, even.changed(g))
             return solution_at(moved, here, prior, weights, True, left, tuple(taken))
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
-        moved = state.moved(z, problem.acting.evenly(state, g))
+        moved = state.moved(z, even.changed(g))
         there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
         if new_cost < cost + SAME:
             lowered = (cost - new_cost) / cost
@@ -161,7 +161,8 @@ def _corrected(
             g = np.zeros(at.common.size)
             if not alone:
                 g = _damped(prior.added(there.common, at), damping)
-            moved = at.moved(there.step(g), problem.acting.evenly(at, g))
+            even = problem.acting.steps_from(at)
+            moved = at.moved(there.step(g), even.changed(g))
             there, new_cost = equations_at(problem, weights, prior, moved)
         # Three of them at once would take much memory.
         if new_cost < cost or problem.t.size >= LARGE:
@@ -191,13 +192,13 @@ def equations_at(
 ) -> tuple[Linear, float]:
     """The equations at a state, and its cost: infinite where a step led too far.
 
-    An attitude that is half a turn off shows no turn at all.
+    An attitude that is half a turn off shows no turn, and a mass of zero nothing.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         there = linear(problem, weights, state)
         cost = there.cost + prior.cost(state)
     sound = np.isfinite(_size(there)) and np.diag(there.factor)[: there.local].all()
-    return there, cost if sound else np.inf
+    return there, cost if sound and state.beta[0] else np.inf
 
 
 def _size(here: Linear) -> float:

@@ -6,10 +6,9 @@ import pytest
 from orbident.estimation.output_error.recorded_thrust import (
     SCALE,
     SHARED,
-    bends,
-    evenly,
+    EvenSteps,
 )
-from orbident.estimation.solution import OUTSIDE, Unknowns
+from orbident.estimation.solution import NOTHING_SELECTED, OUTSIDE, Unknowns
 from orbident.preprocessing.wrenches import RecordedWrench
 
 FIRST = 40
@@ -51,8 +50,14 @@ def ratios(at: Unknowns) -> np.ndarray:
     )
 
 
+def with_thrust(random: np.random.Generator, scale_known: bool) -> Unknowns:
+    """With all that thrust shares; or, where it is known, with its clock alone."""
+    at = state(random, FIRST + np.arange(-1.0, SHARED + 6))
+    return at.carried(np.array([FIRST, *TORQUES])) if scale_known else at
+
+
 def stepped(at: Unknowns, g: np.ndarray) -> Unknowns:
-    g = evenly(at, g, FIRST, VALVES, TORQUES)
+    g = EvenSteps(at, FIRST, VALVES, TORQUES).changed(g)
     return at.moved(np.zeros((0, 9)), g)
 
 
@@ -60,9 +65,7 @@ def stepped(at: Unknowns, g: np.ndarray) -> Unknowns:
 @pytest.mark.parametrize("seed", range(5))
 def test_ratios_change_by_their_slope(seed, scale_known):
     random = np.random.default_rng(seed)
-    at = state(random, FIRST + np.arange(-1.0, SHARED + 6))
-    if scale_known:
-        at = at.carried(np.array([FIRST, *TORQUES]))
+    at = with_thrust(random, scale_known)
     g = 0.1 * random.standard_normal(at.common.size)
     tiny, whole = stepped(at, 1e-6 * g), stepped(at, g)
     slope = 1e6 * (ratios(tiny) - ratios(at))
@@ -78,13 +81,11 @@ def test_ratios_change_by_their_slope(seed, scale_known):
 def test_what_is_linear_in_the_unknowns_bends(seed, scale_known):
     """Beside second differences along a step."""
     random = np.random.default_rng(seed)
-    at = state(random, FIRST + np.arange(-1.0, SHARED + 6))
-    if scale_known:
-        at = at.carried(np.array([FIRST, *TORQUES]))
+    at = with_thrust(random, scale_known)
     slope, g = random.standard_normal((2, at.common.size))
     h = 1e-4
     ends = [slope @ stepped(at, by * g).common for by in (-h, 0.0, h)]
-    bend = g @ bends(at, slope, FIRST, VALVES, TORQUES) @ g
+    bend = g @ EvenSteps(at, FIRST, VALVES, TORQUES).bends(slope) @ g
     assert bend == pytest.approx((ends[0] - 2 * ends[1] + ends[2]) / h**2, rel=1e-4)
 
 
@@ -92,4 +93,6 @@ def test_where_the_scale_is_no_unknown_a_step_is_as_it_is():
     random = np.random.default_rng(1)
     at = state(random, FIRST + np.array([0.0, SHARED, SHARED + 1, SHARED + 2]))
     g = random.standard_normal(at.common.size)
-    np.testing.assert_array_equal(evenly(at, g, FIRST, VALVES), g)
+    np.testing.assert_array_equal(
+        EvenSteps(at, FIRST, VALVES, NOTHING_SELECTED).changed(g), g
+    )

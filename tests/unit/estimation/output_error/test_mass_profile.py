@@ -25,6 +25,6 @@ def test_a_mass_that_is_known_well_is_not_asked_for(monkeypatch):
 
 @pytest.mark.parametrize("times", [-0.2, 0.03, 0.5, 1.0, 2.0, 4.0])
 def test_a_mass_that_no_cad_explains_is_of_no_robot(times: float):
-    """By ten deviations: a mass that is hardly known may be any."""
+    """Only if it is ten deviations beyond a third of, or three times, the CAD mass."""
     assert mass_profile.of_no_robot(times, 1e-3, 1.0) == (not 1 / 3 < times < 3)
     assert not mass_profile.of_no_robot(times, 1.0, 1.0)

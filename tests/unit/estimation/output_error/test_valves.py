@@ -128,7 +128,8 @@ def test_a_floor_that_pushes_at_random(tmp_path):
 
 @pytest.mark.parametrize("seed", [2, 6])
 def test_a_floor_that_does_not_push(tmp_path, seed):
-    """Of walks that nobody sees any size is as likely: continuity is not lost by it."""
+    """Walks of torque and force are free, and there are none: any that is too small to
+    see is as likely. One so small that rounding is larger had spoiled the fit."""
     truth = Truth(clock=0.1, pulse=0.03)
     result = identify(satellite(tmp_path, more=FLOOR), flown(truth, seed))
     assert (result.status, result.warnings) == ("ok", ())
