@@ -90,12 +90,13 @@ def off(result: oi.Result, true: oi.Robot) -> float:
     return float(np.nanmax(np.abs(result.base.values - beta) / result.base.std))
 
 
-def test_an_alarm_too_soon_hides_no_change():
-    """A filter that learns raises one shortly before, and none when it happens."""
+@pytest.mark.parametrize("alarms", [[-1.5], [-12.0, 9.0]])
+def test_alarms_at_other_times_hide_no_change(alarms: list[float]):
+    """A filter that learns raises some before and after, and none when it happens."""
     before, after, recording, at = flight(SERVICER, 0)
     problem = momentum_problem(cad(before, 0), recording, "unknown", lambda _: None)
-    alarm = Change(at - 1.5, at - 1.5, 2.0, 1.0)
-    (change,), last = since_the_last_change(problem, [alarm], lambda _: None)
+    suspected = [Change(at + late, at + late, 2.0, 1.0) for late in alarms]
+    (change,), last = since_the_last_change(problem, suspected, lambda _: None)
     assert change.onset <= at <= change.t + 1 / RATE
     assert change.t < at + SOON
     assert last.shown is not None

@@ -13,7 +13,7 @@ from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.estimation.solve import same_robot
+from orbident.estimation.solve import ANOTHER_ROBOT, differing
 from orbident.files.names import joined
 
 HALVINGS = 4
@@ -173,4 +173,4 @@ def _same(one: Trial, other: Trial) -> bool:
     """Whether two parts show the same robot."""
     assert one.estimate is not None
     assert other.estimate is not None
-    return same_robot(one.estimate, other.estimate)
+    return not differing(one.estimate, other.estimate).is_no_chance(ANOTHER_ROBOT)

@@ -313,15 +313,23 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
-        shift = f"{largest.shift:.2g} sigmas" if np.isfinite(largest.shift) else "much"
+        unseen = all(abs(fit.value) < fit.std for fit in own.values())
         more = group in estimate.unexpected or group == PUSH
         yield Check(
             f"{group} from outside",
             "with care" if more else "trust",
-            f"{in_words[group]}: {sizes}; it was identified with the parameters, one "
-            f"of which would be off by {shift} without it",
+            f"{in_words[group]}{', if any' if unseen else ''}: {sizes}; it was "
+            f"identified with the parameters{_without(largest.shift)}",
             _remedy(group) if more else "",
         )
+
+
+def _without(shift: float) -> str:
+    """By how much a parameter would be off, as far as that is known."""
+    if np.isnan(shift):
+        return ""
+    much = f"{shift:.2g} sigmas" if np.isfinite(shift) else "much"
+    return f", one of which would be off by {much} without it"
 
 
 def _thrusters(estimate: Estimate) -> Iterator[Check]:

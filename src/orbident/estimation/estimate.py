@@ -44,9 +44,10 @@ class Change(NamedTuple):
     onset: float
     """The first sample that shows it, most likely, s."""
     statistic: float
-    """`g`, over its threshold."""
+    """What shows it, over its threshold: `g` of a filter; where output error confirms
+    it, how far the robots before and after it are apart."""
     confidence: float
-    """One less the probability that a run without any change shows this much."""
+    """One less the probability that chance shows as much."""
 
 
 class History(NamedTuple):

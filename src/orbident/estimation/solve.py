@@ -11,12 +11,13 @@ from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.clock_search import MOST, Evidence, evidence
 from orbident.estimation.estimate import Change, Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.levels import chi_square
+from orbident.estimation.levels import ChiSquare, Rule, chi_square, limit
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import (
     MomentumProblem,
@@ -40,23 +41,27 @@ from orbident.robot.description import KnownQuantities, Robot
 FEWEST = 100
 """Samples of a part that output error is asked about: of fewer it learns little."""
 
-EARLIER = 60
+EARLIER = 30
 """Samples before a change was found that may be after it: a filter that learns takes up
 some of a change before it sees the rest."""
 
-LATER = (0, 2, 20, EARLIER)
-"""Samples after an alarm, tried in turn: it may come before the change itself, as
-smoothed rates have some of it beforehand, and an error of the filter hides it."""
+ANOTHER_ROBOT: Rule = "other parameters"
+"""Which test says that two parts are not of one robot."""
+
+Between = Callable[[float, float], Estimate | None]
+"""What fits the part between two times, s."""
+
+NOT_APART = ChiSquare(0.0, 0)
+"""Where nothing fits after a time, nothing can be said to differ."""
 
 
-def same_robot(one: Estimate, other: Estimate) -> bool:
-    """Whether chance explains by how much the base parameters of two parts differ."""
+def differing(one: Estimate, other: Estimate) -> ChiSquare:
+    """By how much the base parameters of two parts differ."""
     a, b = one.parameters.base, other.parameters.base
     both = np.flatnonzero(a.determined & b.determined)
     # With their correlations: all may share a doubt about the scale.
     C = (a.covariance + b.covariance)[np.ix_(both, both)]
-    apart = chi_square((a.values - b.values)[both], C)
-    return not apart.is_no_chance("other parameters")
+    return chi_square((a.values - b.values)[both], C)
 
 
 def since_the_last_change(
@@ -73,47 +78,57 @@ def since_the_last_change(
         progress: is called with the fraction of the work that is done.
     """
     confirmed, begin = list[Change](), -np.inf
-    between = cache(partial(_between, problem))
-    step = float(np.median(np.diff(problem.recording.t)))
-    doubt = EARLIER * step
-    ends = [*(change.t - doubt for change in suspected[1:]), np.inf]
-    for done, (change, end) in enumerate(zip(suspected, ends, strict=True)):
-        progress(done / len(ends))
-        if between(begin, np.inf):
+    between, t = cache(partial(_between, problem)), problem.recording.t
+    while not between(begin, np.inf):
+        progress(float(np.mean(t < begin)))
+        change = _next_change(between, t, begin, suspected)
+        if change is None:
             break
-        before = between(begin, change.t - doubt)
-        after, since = _after(between, change, step, end) if before else (None, change)
-        if before and after and not same_robot(before, after):
-            confirmed.append(since)
-            begin = since.t
+        confirmed.append(change)
+        begin = change.t
     last = _cut(problem, begin, np.inf)
     return tuple(confirmed), evidence(last, OutputError(), progress)
 
 
-def _after(
-    between: Callable[[float, float], Estimate | None],
-    change: Change,
-    step: float,
-    end: float,
-) -> tuple[Estimate | None, Change]:
-    """What fits after a change, and the change as of the first time from which it does.
+def _next_change(
+    between: Between,
+    t: Float[np.ndarray, " rows"],
+    begin: float,
+    suspected: Sequence[Change],
+) -> Change | None:
+    """From when on it is another robot, for the first time after `begin`.
+
+    All alarms are tried in turn. Where none is at the change, it lies between the
+    longest part that is known to be of one robot and the shortest that is not: there
+    times are tried by bisection.
 
     Args:
         between: what fits the part between two times, s.
-        change: as a filter found it.
-        step: from sample to sample, s.
-        end: of the part until the next change, s.
+        t: of all samples, s.
+        begin: of the part, s.
+        suspected: by a filter, in their order.
     """
-    onset = change.onset
-    for rows in LATER:
-        since = Change(change.t + rows * step, onset, *change[2:])
-        # A later alarm may be none: the whole rest tells most where it fits.
-        after = between(since.t, np.inf) or between(since.t, end)
-        if after:
-            return after, since
-        # From here on is not yet one robot.
-        onset = since.t
-    return None, change
+    doubt = EARLIER * float(np.median(np.diff(t)))
+    low, high = begin, float(t[-1])
+    alarms = [each for each in suspected if each.t > begin]
+    while alarms or (low > begin and high - low > doubt / 2):
+        middle = (low + high) / 2
+        tried = alarms.pop(0) if alarms else Change(middle, middle - doubt, 0.0, 0.0)
+        end = alarms[0].t - doubt if alarms else np.inf
+        if not low < tried.t < high:
+            continue
+        before = between(begin, tried.t - doubt)
+        if before:
+            low = tried.t
+            # A later alarm may be none: the whole rest tells most where it fits.
+            after = between(low, np.inf) or between(low, end)
+            apart = differing(before, after) if after else NOT_APART
+            if apart.is_no_chance(ANOTHER_ROBOT):
+                over = apart.value / limit(ANOTHER_ROBOT, apart.dof)
+                return Change(low, tried.onset, over, 1 - apart.p)
+        elif low > begin:
+            high = tried.t
+    return None
 
 
 def _between(problem: MomentumProblem, begin: float, end: float) -> Estimate | None:

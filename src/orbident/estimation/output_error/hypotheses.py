@@ -85,7 +85,7 @@ class Search:
 
     @property
     def hasty(self) -> bool:
-        """Whether a search that fails is given up soon, and nothing is tested then."""
+        """Whether searches take few steps; of a bad fit nothing is tested then."""
         return self.steps < STEPS
 
     def freed(
@@ -114,7 +114,7 @@ class Search:
             if solution.converged and solution.state.beta[0] > 0:
                 return solution
             solutions.append(solution)
-        last = bool(trial) or self.hasty
+        last = bool(trial)
         if not last:
             at = self._loosely(prior, places)
             solutions.append(solve(prior=prior, state=at, steps=self.steps))
@@ -216,7 +216,7 @@ def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     search, found = fit.search, fit.found
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
-    hopeless = search.hasty and _bad(search.problem, cost) and not solution.converged
+    hopeless = search.hasty and _bad(search.problem, cost)
     hopeless |= of_no_robot(*solution.mass, search.nominal.beta[0])
     if hopeless or search.problem.t.size > LONGEST:
         return fit

@@ -54,6 +54,9 @@ vary by up to so much more than white ones."""
 FEW = 3
 """Changes that are named one by one: a recording hardly has more."""
 
+LEAST = 1e-15
+"""A probability that is less is rounding."""
+
 
 @dataclass(frozen=True)
 class Detector:
@@ -105,8 +108,8 @@ def changes_in_words(changes: Sequence[Change]) -> tuple[str, ...]:
     """The first ones, a sentence each, and how many more there are."""
     first = tuple(
         f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} s; by "
-        f"chance with a probability of {1 - change.confidence:.1g}): the estimates are "
-        "those after that"
+        "chance with a probability of at most "
+        f"{max(1 - change.confidence, LEAST):.1g}): the estimates are those after that"
         for change in changes[:FEW]
     )
     more = changes[FEW:]
