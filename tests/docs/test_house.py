@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 310,
-    "lines": 65_017,
+    "lines": 65_019,
     "files of estimation": 50,
     "lines of estimation": 12_293,
     "files with one user": 67,
