@@ -195,7 +195,7 @@ class OutputError:
                     steps = min(steps, FEW_STEPS)
                     break
             starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
-        nominal = starts[-1]
+        nominal, loosely = starts[-1], partial(following, turning=LOOSE_TURNS)
         at_hand, shows = [], dict[str, float]()
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:
@@ -218,7 +218,7 @@ class OutputError:
             starts[0],
             nominal,
             at_hand,
-            partial(following, turning=LOOSE_TURNS),
+            loosely if self.tested or self.steps == STEPS else None,
             shows,
             {name: each.least / each.std for name, each in sensors.by_name.items()},
             {name for name, each in sensors.by_name.items() if each.declared},

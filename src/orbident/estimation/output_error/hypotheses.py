@@ -71,8 +71,9 @@ class Search:
     """The nominal robot, from which it starts where that leads nowhere."""
     at_hand: list[Linear]
     """The equations there, until they are used: they are large."""
-    loose: Callable[[], Problem]
-    """Makes the equations of an attitude that may turn nearly as it likes."""
+    loose: Callable[[], Problem] | None
+    """Makes the equations of an attitude that may turn nearly as it likes; not for what
+    is only tried: most of that is wrong, and then no least cost is near."""
     shows: Mapping[str, float]
     """How much of what acts they show; see `Problem`."""
     least: Mapping[str, float]
@@ -114,28 +115,27 @@ class Search:
             if solution.converged and solution.state.beta[0] > 0:
                 return solution
             solutions.append(solution)
-        last = bool(trial)
-        if not last:
-            at = self._loosely(prior, places)
+        loose = None if trial else self.loose
+        if loose:
+            at = self._loosely(loose(), prior, places)
             solutions.append(solve(prior=prior, state=at, steps=self.steps))
         best = min(solutions, key=lambda each: each.cost)
-        if last or best.converged:
+        if not loose or best.converged:
             return best
         return solve(prior=prior, state=best.state, steps=self.steps)
 
     def _loosely(
-        self, prior: Prior, places: Float[np.ndarray, " selected"]
+        self, loose: Problem, prior: Prior, places: Float[np.ndarray, " selected"]
     ) -> Unknowns:
         """Where a search ends in which the attitude may turn nearly as it likes.
 
         An attitude that has to turn as its equations say weighs more than all samples:
         far from the least cost a step follows it alone, and leads anywhere.
         """
-        loose, own = self.loose(), self.problem
-        problem = own._replace(recorded=loose.recorded, loose=loose.loose)
-        at, progress = self.nominal.carried(places), self.progress
+        problem = self.problem._replace(recorded=loose.recorded, loose=loose.loose)
+        weights, at = problem.weights, self.nominal.carried(places)
         return solved(
-            problem, own.weights, prior, at, progress, self.steps, enough=ENOUGH
+            problem, weights, prior, at, self.progress, self.steps, enough=ENOUGH
         ).state
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
