@@ -325,7 +325,11 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
 
 
 def _without(shift: float) -> str:
-    """By how much a parameter would be off, as far as that is known."""
+    """What it would cost to leave a disturbance out, where that is known.
+
+    Args:
+        shift: how far that would move the parameter that moves most, in deviations.
+    """
     if np.isnan(shift):
         return ""
     much = f"{shift:.2g} sigmas" if np.isfinite(shift) else "much"

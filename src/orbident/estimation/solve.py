@@ -48,15 +48,12 @@ some of a change before it sees the rest."""
 ANOTHER_ROBOT: Rule = "other parameters"
 """Which test says that two parts are not of one robot."""
 
-Between = Callable[[float, float], Estimate | None]
-"""What fits the part between two times, s."""
-
 NOT_APART = ChiSquare(0.0, 0)
 """Where nothing fits after a time, nothing can be said to differ."""
 
 
 def differing(one: Estimate, other: Estimate) -> ChiSquare:
-    """By how much the base parameters of two parts differ."""
+    """How far two estimates of the base parameters are apart, as a chi-square."""
     a, b = one.parameters.base, other.parameters.base
     both = np.flatnonzero(a.determined & b.determined)
     # With their correlations: all may share a doubt about the scale.
@@ -91,7 +88,7 @@ def since_the_last_change(
 
 
 def _next_change(
-    between: Between,
+    between: Callable[[float, float], Estimate | None],
     t: Float[np.ndarray, " rows"],
     begin: float,
     suspected: Sequence[Change],
