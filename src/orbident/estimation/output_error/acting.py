@@ -357,18 +357,16 @@ class Acting:
     ) -> Float[np.ndarray, "nodes rows effects"]:
         t = self.followed.t
         table = np.zeros((t.size, ROWS, len(effects)))
-        rate = np.stack([each.torque for each in effects], axis=-1)
-        pushing = [k for k, each in enumerate(effects) if each.accelerates]
-        if pushing:
-            force = np.stack([effects[k].force for k in pushing], axis=-1)
-            pull = np.stack([effects[k].pull for k in pushing], axis=-1)
-            rate[..., pushing] -= np.cross(r[..., None], force, axis=2)
-            push = np.stack([effects[k].push for k in pushing], axis=-1)
-            v = integral(t, force / M + pull + push)
-            table[:, 6:9, pushing] = integral(t, by_step(v))
-            table[:, 9:12, pushing] = v
-            table[:, 12:15, pushing] = at_nodes(force / M + push)
-        table[:, 0:3], table[:, 3:6] = integral(t, rate), at_nodes(rate)
+        for k, each in enumerate(effects):
+            rate = each.torque
+            if each.accelerates:
+                rate = rate - np.cross(r, each.force, axis=2)
+                felt = each.force / M + each.push
+                v = integral(t, felt + each.pull)
+                table[:, 6:9, k] = integral(t, by_step(v))
+                table[:, 9:12, k] = v
+                table[:, 12:15, k] = at_nodes(felt)
+            table[:, 0:3, k], table[:, 3:6, k] = integral(t, rate), at_nodes(rate)
         return table
 
     def _by_beta(
