@@ -36,7 +36,7 @@ LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
 """With less a step is as without; with more it is too short to change anything."""
 FALLS = 0.5
-"""A step is corrected again while the cost falls to less than this part of it."""
+"""Boundaries are corrected again while the cost falls to less than this part of it."""
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
@@ -150,11 +150,11 @@ def _corrected(
     """The equations where a step ends, and where corrections of it if it costs more.
 
     Continuity weighs so much that what a good step leaves of second order costs more
-    than it gains: the next step takes that away (Fletcher 1982). Where that costs more,
-    too, the boundaries alone are corrected, and the parameters stay where they are.
+    than it gains. First the boundaries alone are corrected, and the parameters stay
+    where the step led. Where that costs more, too, all are (Fletcher 1982).
     """
     first, first_cost = equations_at(problem, weights, prior, moved)
-    for alone in (False, True):
+    for alone in (True, False):
         there, new_cost, last = first, first_cost, np.inf
         while cost <= new_cost < FALLS * last:
             last, at = new_cost, there.at
