@@ -13,7 +13,9 @@ import pytest
 from random_flights import flight
 
 import orbident as oi
+from orbident.diagnosis.linear_test import plain_mistake
 from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.simulation.measure import measure_truth
 
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "40"))
@@ -55,6 +57,16 @@ def off(result: oi.Result, true: oi.Robot) -> float:
     """The worst base parameter's error, in deviations."""
     beta = oi.minimal_sets(true).beta(true.theta)
     return float(np.nanmax(np.abs(result.base.values - beta) / result.base.std))
+
+
+def test_nothing_in_them_is_plainly_a_mistake():
+    """Of few seconds a linear equation tells little, and some of it is far off."""
+    for n in range(0, 200, 4):
+        window = seconds_of(n)
+        problem = momentum_problem(
+            window.cad, window.recording, window.initial_momentum, lambda _: None
+        )
+        assert not plain_mistake(problem), n
 
 
 @pytest.mark.parametrize("n", [4, 18, 186])

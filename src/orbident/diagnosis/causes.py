@@ -129,6 +129,12 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
             f"the times were kept as float32, in steps of {step:.2g} s",
             "write times as float64, or seconds from a start that is near",
         )
+    measured = {*problem.robot.joint_names} - {*problem.robot.passive}
+    if measured and not measured - {*problem.samples.locked}:
+        yield _found(
+            "no joint moves in the recording: each shows one position throughout",
+            "record the joints while they move, and see that the columns are theirs",
+        )
     for words in stale(problem.robot, problem.recording):
         yield _found(
             words, "record each sample once, when it is taken, with all its digits"

@@ -4,24 +4,29 @@ Each is put right in the recording; or, to score it quickly, in the samples that
 derived from it, where no other samples depend on it.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations, permutations, product
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import Rotation, Slerp
 
 from orbident.diagnosis.shifts import of_vector
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.integrals import disagreement
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 DEGREE = np.pi / 180
+RPM = 2 * np.pi / 60  # rad/s: a turn a minute
+
+CLOSER = 2.0
+"""Times that gyro and attitude must differ less with a convention put right."""
 
 GRAVITY = 9.80665
 """m/s^2: of 1 g."""
@@ -29,6 +34,10 @@ GRAVITY = 9.80665
 
 FIELDS = {"joint": ("q", "qd"), "wheel": ("qd_rw",)}
 """Fields of `Samples` that hold joints and wheels."""
+UNITS_OF_ANGLE: Mapping[str, Sequence[tuple[str, float]]] = {
+    "joint": (("degrees", DEGREE),),
+    "wheel": (("rpm", RPM), ("degrees", DEGREE)),
+}
 OF_POSITIONS = {"joint": "velocity", "wheel": "speed"}
 """Beside positions."""
 
@@ -74,9 +83,8 @@ def of_all(kind: str, names: Sequence[str]) -> Iterator[Convention]:
     for k, name in enumerate(names):
         words = f"the sign of {kind} {name}, or of its axis, is the opposite"
         yield _written(words, kind, names, {k: -1.0})
-        if kind == "joint" or len(names) > 1:
-            degrees = {k: DEGREE}
-            yield _written(f"{kind} {name} is in degrees", kind, names, degrees)
+        for unit, size in UNITS_OF_ANGLE[kind]:
+            yield _written(f"{kind} {name} is in {unit}", kind, names, {k: size})
     for one, other in combinations(range(len(names)), 2):
         both = f"{kind}s {names[one]} and {names[other]}"
         words = f"the signs of {both}, or of their axes, are the opposite"
@@ -87,9 +95,9 @@ def of_all(kind: str, names: Sequence[str]) -> Iterator[Convention]:
     if len(names) > 1:
         words = f"the sign of all {kind}s is the opposite"
         yield _written(words, kind, names, every)
-        if kind == "joint":
-            degrees = dict.fromkeys(every, DEGREE)
-            yield _written("all joints are in degrees", kind, names, degrees)
+        for unit, size in UNITS_OF_ANGLE[kind]:
+            sizes = {k: size for k in every}
+            yield _written(f"all {kind}s are in {unit}", kind, names, sizes)
 
 
 def _written(
@@ -172,26 +180,18 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     yield from of_all("joint", robot.joint_names)
     yield from of_all("wheel", robot.wheel_names)
     yield from _other_zeros(robot)
-    if recording.has("gyro.x"):
-        yield from _turned(robot, "gyro", "w")
-        # Without an attitude it is what the gyro says, too.
-        quickly = scaled(("w",), DEGREE) if recording.has("attitude.x") else None
-        yield _times("gyro", DEGREE, "the gyro is in degrees per second", quickly)
-        if recording.has("attitude.x"):
-            inertial = "the gyro is in inertial axes, not in the base's"
-            yield Convention(
-                inertial, partial(_gyro_by, body_rates=_from_inertial_axes)
-            )
-            euler = "the gyro shows rates of Euler angles (roll, pitch and yaw)"
-            yield Convention(euler, partial(_gyro_by, body_rates=_from_euler_rates))
+    turning = {"gyro": _gyro(robot, problem), "attitude": _attitude(robot)}
+    shown = {one: each for one, each in turning.items() if recording.has(f"{one}.x")}
+    if len(shown) > 1:
+        shown = {one: _reconciling(problem, each) for one, each in shown.items()}
+    yield from shown.get("gyro", ())
     point = "velocity" if recording.has("velocity.x") else "position"
     if problem.samples.v_S:
         yield from _turned(robot, point, "v_S")
         for unit, size in UNITS_OF_LENGTH:
             words = f"the {point} is in {unit}"
             yield _times(point, size, words, scaled(("v_S",), size))
-    if recording.has("attitude.x"):
-        yield from _attitude(robot)
+    yield from shown.get("attitude", ())
     for unit, size in UNITS_OF_TIME:
         cause = f"the time is in {unit}, not in s"
         quickly = scaled(_rates(problem), 1 / size)
@@ -223,6 +223,38 @@ def of_accelerometer() -> Convention:
 
 def _slower(problem: MomentumProblem, size: float) -> Recording:
     return replace(problem.recording, t=size * problem.recording.t)
+
+
+def _gyro(robot: Robot, problem: MomentumProblem) -> Iterator[Convention]:
+    # What else is derived from a gyro depends on it, too, but for its axes little.
+    attitude = problem.recording.has("attitude.x")
+    for one in _turned(robot, "gyro", "w"):
+        yield replace(one, quickly=None) if attitude else one
+    yield _times("gyro", DEGREE, "the gyro is in degrees per second")
+    if attitude:
+        inertial = "the gyro is in inertial axes, not in the base's"
+        yield Convention(inertial, partial(_gyro_by, body_rates=_from_inertial_axes))
+        euler = "the gyro shows rates of Euler angles (roll, pitch and yaw)"
+        yield Convention(euler, partial(_gyro_by, body_rates=_from_euler_rates))
+
+
+def _reconciling(
+    problem: MomentumProblem, each: Iterable[Convention]
+) -> Iterator[Convention]:
+    """Those of gyro or attitude with which the two differ far less.
+
+    Where they agree as they were recorded there are none: each shows that the other is
+    written as it should be.
+    """
+    recorded = _apart(problem.recording)
+    for one in each:
+        if not recorded <= CLOSER * _apart(one.written(problem)):
+            yield one
+
+
+def _apart(recording: Recording) -> float:
+    attitude = recording.vector("attitude", COMPONENTS["attitude"])
+    return disagreement(recording.t, recording.vector("gyro"), attitude)
 
 
 def _turned(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
@@ -322,12 +354,15 @@ def _changed(sensor: str, change: Change) -> Callable[[MomentumProblem], Recordi
 def _gyro_by(
     problem: MomentumProblem, body_rates: Callable[[Rotation, Rates], Rates]
 ) -> Recording:
-    """The gyro's samples as rates of the base, by the attitude."""
-    x = np.column_stack(problem.samples.x_WB)
-    w = problem.recording.vector("gyro")
-    seen = np.isfinite(x).all(axis=1) & np.isfinite(w).all(axis=1)
+    """The gyro's samples as rates of the base, by the attitude that was recorded."""
+    t, w = problem.recording.t, problem.recording.vector("gyro")
+    x = problem.recording.vector("attitude", COMPONENTS["attitude"])
+    shown = np.isfinite(x).all(axis=1)
+    attitude = Slerp(t[shown], Rotation.from_quat(x[shown]))
+    first, last = t[shown][[0, -1]]
+    seen = np.isfinite(w).all(axis=1) & (t >= first) & (t <= last)
     right = np.full_like(w, np.nan)
-    right[seen] = body_rates(Rotation.from_quat(x[seen]), w[seen])
+    right[seen] = body_rates(attitude(t[seen]), w[seen])
     return problem.recording.with_columns(of_vector("gyro", right))
 
 

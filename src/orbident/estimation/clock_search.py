@@ -42,8 +42,10 @@ ROUNDS = 6  # of a search that converges as Newton's does; more find nothing
 ROWS = 1000
 """So many samples from the beginning of a recording show a clock that is far off."""
 
-FAR = np.array([0.03, 0.06, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0])
-"""s: where it is looked for; the delay between is found from the nearest of these."""
+NEAR = np.arange(0.1, 1.0, 0.1)
+FAR = np.array([0.03, 0.06, *NEAR, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0])
+"""s: where it is looked for; the delay between is found from the nearest of these. An
+arm that moves in seconds shows nothing of a clock that is off by 0.1 s more."""
 
 LONGEST_PART = 0.25
 """Of the time that is looked at: too little would be left for both clocks to show."""
@@ -206,11 +208,15 @@ def _far(problem: MomentumProblem) -> Delay:
     grid = np.array([-most, *-FAR[::-1], 0.0, *FAR, most])
     grid = np.unique(grid[np.abs(grid) <= most])
     tried = np.array([left(late) for late in grid])
-    k = int(np.argmin(tried))
-    if k in {0, grid.size - 1}:
+    # At the ends little is left to explain; a valley is lower than what is around it.
+    inside = np.arange(1, grid.size - 1)
+    valleys = inside[(tried[1:-1] <= tried[:-2]) & (tried[1:-1] <= tried[2:])]
+    if not valleys.size:
         return nowhere
+    k = int(valleys[np.argmin(tried[valleys])])
     # What any clock explains, such as a push, no clock does.
-    elsewhere = tried[(abs(np.arange(grid.size) - k) > 1) | (grid == 0)].min()
+    far = inside[(abs(inside - k) > 1) | (grid[inside] == 0)]
+    elsewhere = tried[far].min()
     # The last step of the grid is several times as long as that before it.
     step = min(grid[k] - grid[k - 1], grid[k + 1] - grid[k])
     ends = grid[k] - step, grid[k] + step

@@ -199,6 +199,10 @@ UNKNOWN_ATTITUDE = np.pi
 """Std of `phi` beforehand, rad."""
 
 
+PIECES = 40
+"""Of a recording: in a second or so a base turns by more than an attitude's noise."""
+
+
 class GyroNoise(NamedTuple):
     """How far a gyro is to be trusted."""
 
@@ -290,3 +294,30 @@ def _fused(
     for _ in range(ROUNDS - 1):
         found = about(found.x_WB[0], found.bias.mean(axis=0))
     return found
+
+
+def disagreement(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    x_WB: Float[np.ndarray, "n 4"],
+) -> float:
+    """The part of the turning, piece by piece, in which gyro and attitude differ.
+
+    No robot is needed for that. It is 0 where they agree, and about 1 where one says
+    nothing of the other; not a number where nothing turned.
+
+    Args:
+        t: times, s.
+        w: what the gyro shows, rad/s; NaN where there is no sample.
+        x_WB: what the attitude sensor does, unit quaternions; NaN likewise.
+    """
+    by_gyro = integrate_gyro(t, w, UNTURNED)
+    both = np.flatnonzero(np.isfinite(np.hstack([by_gyro, x_WB])).all(axis=1))
+    at = both[:: max(both.size // PIECES, 1)]
+    gyro, attitude = (
+        R[:-1].inv() * R[1:]
+        for R in (Rotation.from_quat(by_gyro[at]), Rotation.from_quat(x_WB[at]))
+    )
+    turned = np.concatenate([gyro.magnitude(), attitude.magnitude()])
+    apart = np.linalg.norm((gyro.inv() * attitude).magnitude())
+    return float(apart / np.linalg.norm(turned)) if turned.any() else np.nan

@@ -18,7 +18,7 @@ def test_no_two_have_the_same_words():
 def test_what_undoes_one_is_the_same_for_samples_and_columns():
     problem = problem_with()
     quick = [each for each in conventions(problem) if each.quickly]
-    for words in ("sign of joint", "wheels", "zero of", "x of the gyro", "is in mm"):
+    for words in ("sign of joint", "wheels", "zero of", "rpm", "is in mm"):
         each = next(one for one in quick if words in one.cause)
         again = problem.amended(recording=each.written(problem))
         for name in ("q", "qd", "w", "qd_rw", "v_S"):

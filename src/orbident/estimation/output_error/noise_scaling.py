@@ -299,8 +299,11 @@ def sensor_signals(
     signals = []
     for name, weights in problem.weights.items():
         seen, counts = that_count(weights)
+        if not seen.any():
+            # As encoders of joints that never move.
+            continue
         std = sensors.by_name[name].std * found.levels[name]
-        if name == TORQUES and seen.any():
+        if name == TORQUES:
             # Means over intervals, most of which are as long.
             std /= float(np.median(weights[weights > 0])) * sensors.by_name[name].std
         error = of_axes(some_of(found.residuals[name], seen), counts) * std
