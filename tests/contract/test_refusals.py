@@ -57,7 +57,7 @@ def test_wrong_signals_are_rejected(
     result = identify(robot, changed(recording, wrong), method)
     assert result.status == "rejected"
     assert np.isnan(result.mass.value)
-    said = ("check units", "is in degrees per second", "the signs of")
+    said = ("check units", "is in degrees per second", "the sign of", "the signs of")
     assert any(words in each for words in said for each in result.warnings)
 
 

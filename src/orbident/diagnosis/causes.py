@@ -38,7 +38,7 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, leaves_nothing
-from orbident.files.names import joined
+from orbident.files.names import joined, listed
 from orbident.recordings.column_checks import float32_step
 from orbident.threads import one_blas_thread
 
@@ -132,7 +132,8 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
     measured = {*problem.robot.joint_names} - {*problem.robot.passive}
     if measured and not measured - {*problem.samples.locked}:
         yield _found(
-            "no joint moves in the recording: each shows one position throughout",
+            f"no joint moves in the recording: {listed(problem.samples.locked)} never "
+            "moved",
             "record the joints while they move, and see that the columns are theirs",
         )
     for words in stale(problem.robot, problem.recording):
