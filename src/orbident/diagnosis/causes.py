@@ -132,8 +132,7 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
     measured = {*problem.robot.joint_names} - {*problem.robot.passive}
     if measured and not measured - {*problem.samples.locked}:
         yield _found(
-            f"no joint moves in the recording: {listed(problem.samples.locked)} never "
-            "moved",
+            f"no joint moves: {listed(problem.samples.locked)} never moved",
             "record the joints while they move, and see that the columns are theirs",
         )
     for words in stale(problem.robot, problem.recording):
