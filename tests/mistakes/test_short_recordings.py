@@ -60,7 +60,7 @@ def off(result: oi.Result, true: oi.Robot) -> float:
 
 
 def test_nothing_in_them_is_plainly_a_mistake():
-    """Of few seconds a linear equation tells little, and some of it is far off."""
+    """A linear equation of few seconds has parameters that are far from the truth."""
     for n in range(0, 200, 4):
         window = seconds_of(n)
         problem = momentum_problem(

@@ -226,8 +226,8 @@ def _slower(problem: MomentumProblem, size: float) -> Recording:
 
 
 def _gyro(robot: Robot, problem: MomentumProblem) -> Iterator[Convention]:
-    # What else is derived from a gyro depends on it, too, but for its axes little.
-    attitude = problem.recording.has("attitude.x")
+    # An attitude is fused with the gyro: all is derived again, but of a single one.
+    attitude = np.isfinite(problem.recording.columns.get("attitude.x", [])).sum() > 1
     for one in _turned(robot, "gyro", "w"):
         yield replace(one, quickly=None) if attitude else one
     yield _times("gyro", DEGREE, "the gyro is in degrees per second")

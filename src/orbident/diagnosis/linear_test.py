@@ -50,7 +50,7 @@ leaves the residuals as they are."""
 TINY = 1e-300
 
 SAME = 1e-6
-"""Of residuals that differ by rounding."""
+"""Relative: residuals that differ by less differ by rounding alone."""
 
 FARTHEST = 5.0
 """Times: bodies are known better than that before they are built."""

@@ -42,10 +42,9 @@ ROUNDS = 6  # of a search that converges as Newton's does; more find nothing
 ROWS = 1000
 """So many samples from the beginning of a recording show a clock that is far off."""
 
-NEAR = np.arange(0.1, 1.0, 0.1)
-FAR = np.array([0.03, 0.06, *NEAR, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0])
-"""s: where it is looked for; the delay between is found from the nearest of these. An
-arm that moves in seconds shows nothing of a clock that is off by 0.1 s more."""
+FAR = np.array([0.03, 0.06, *np.arange(0.1, 1.0, 0.1), 1.0, 1.25, 1.5, 2.0, 2.5, 3.0])
+"""s: where it is looked for; the delay between is found from the nearest of these. They
+are 0.1 s apart, as a clock that is farther off hides what an arm's motion explains."""
 
 LONGEST_PART = 0.25
 """Of the time that is looked at: too little would be left for both clocks to show."""

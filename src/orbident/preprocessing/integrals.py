@@ -200,7 +200,8 @@ UNKNOWN_ATTITUDE = np.pi
 
 
 PIECES = 40
-"""Of a recording: in a second or so a base turns by more than an attitude's noise."""
+"""So many parts of a recording last about a second each, in which a base turns by more
+than the noise of an attitude sensor."""
 
 
 class GyroNoise(NamedTuple):
