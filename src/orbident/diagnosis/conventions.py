@@ -17,7 +17,7 @@ from orbident.diagnosis.shifts import of_vector
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.preprocessing.delays import corrections
-from orbident.preprocessing.integrals import disagreement
+from orbident.preprocessing.integrals import Turned, turned
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -27,6 +27,9 @@ RPM = 2 * np.pi / 60  # rad/s: a turn a minute
 
 CLOSER = 2.0
 """Times that gyro and attitude must differ less with a convention put right."""
+
+LARGER = 1.2
+"""Times: a gyro's scale is known better than that, and so is a clock's rate."""
 
 GRAVITY = 9.80665
 """m/s^2: of 1 g."""
@@ -194,8 +197,7 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     yield from shown.get("attitude", ())
     for unit, size in UNITS_OF_TIME:
         cause = f"the time is in {unit}, not in s"
-        quickly = scaled(_rates(problem), 1 / size)
-        yield Convention(cause, partial(_slower, size=size), quickly)
+        yield Convention(cause, partial(_slower, size=size))
 
 
 def felt_alone(problem: MomentumProblem) -> MomentumProblem | None:
@@ -236,6 +238,7 @@ def _gyro(robot: Robot, problem: MomentumProblem) -> Iterator[Convention]:
         yield Convention(inertial, partial(_gyro_by, body_rates=_from_inertial_axes))
         euler = "the gyro shows rates of Euler angles (roll, pitch and yaw)"
         yield Convention(euler, partial(_gyro_by, body_rates=_from_euler_rates))
+        yield from _by_ratio(problem)
 
 
 def _reconciling(
@@ -246,15 +249,30 @@ def _reconciling(
     Where they agree as they were recorded there are none: each shows that the other is
     written as it should be.
     """
-    recorded = _apart(problem.recording)
+    recorded = turned_in(problem.recording).apart
     for one in each:
-        if not recorded <= CLOSER * _apart(one.written(problem)):
+        if not recorded <= CLOSER * turned_in(one.written(problem)).apart:
             yield one
 
 
-def _apart(recording: Recording) -> float:
+def turned_in(recording: Recording) -> Turned:
+    """How the base turned by both sensors of that."""
     attitude = recording.vector("attitude", COMPONENTS["attitude"])
-    return disagreement(recording.t, recording.vector("gyro"), attitude)
+    return turned(recording.t, recording.vector("gyro"), attitude)
+
+
+def _by_ratio(problem: MomentumProblem) -> Iterator[Convention]:
+    """A gyro, or times, by as many times too large as the attitude shows."""
+    ratio = turned_in(problem.recording).ratio
+    if max(ratio, 1 / ratio if ratio > 0 else 0.0) < LARGER:
+        return
+    # Which of both it is, residuals hardly say.
+    cause = (
+        f"the gyro turns the base {ratio:.3g} times as far as the attitude does, so "
+        "that its unit, or that of the times, is another one"
+    )
+    yield _times("gyro", 1 / ratio, cause)
+    yield Convention(cause, partial(_slower, size=1 / ratio))
 
 
 def _turned(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
@@ -319,13 +337,6 @@ def _other_axes(robot: Robot) -> Iterator[tuple[str, Matrix]]:
             elif flipped:
                 signs_of = "the sign of" if len(flipped) == 1 else "the signs of"
                 yield f"{signs_of} {' and '.join(flipped)}", R
-
-
-def _rates(problem: MomentumProblem) -> tuple[str, ...]:
-    """What was derived from positions and angles."""
-    gyro = problem.recording.has("gyro.x")
-    velocity = problem.recording.has("velocity.x")
-    return "qd", "qd_rw", *(() if gyro else ("w",)), *(() if velocity else ("v_S",))
 
 
 def _times(

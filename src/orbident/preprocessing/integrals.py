@@ -297,15 +297,40 @@ def _fused(
     return found
 
 
-def disagreement(
+class Turned(NamedTuple):
+    """How a base turned, piece by piece, by each of two sensors: rotation vectors."""
+
+    by_gyro: Float[np.ndarray, "pieces 3"]
+    """rad; in the base's axes at the beginning of each piece."""
+    by_attitude: Float[np.ndarray, "pieces 3"]
+
+    @property
+    def apart(self) -> float:
+        """The part of the turning in which they differ; not a number without any.
+
+        It is 0 where they agree, and about 1 where one says nothing of the other.
+        """
+        gyro, attitude = (Rotation.from_rotvec(each) for each in self)
+        whole = np.linalg.norm(self)
+        return float(
+            np.linalg.norm((gyro.inv() * attitude).magnitude()) / whole
+            if whole
+            else np.nan
+        )
+
+    @property
+    def ratio(self) -> float:
+        """How many times what the attitude shows the gyro does; 0 where they differ."""
+        both = float(np.sum(self.by_gyro * self.by_attitude))
+        return both / float(np.sum(self.by_attitude**2)) if both else 0.0
+
+
+def turned(
     t: Float[np.ndarray, " n"],
     w: Float[np.ndarray, "n 3"],
     x_WB: Float[np.ndarray, "n 4"],
-) -> float:
-    """The part of the turning, piece by piece, in which gyro and attitude differ.
-
-    No robot is needed for that. It is 0 where they agree, and about 1 where one says
-    nothing of the other; not a number where nothing turned.
+) -> Turned:
+    """How gyro and attitude turn from one piece to the next; no robot is needed.
 
     Args:
         t: times, s.
@@ -315,10 +340,5 @@ def disagreement(
     by_gyro = integrate_gyro(t, w, UNTURNED)
     both = np.flatnonzero(np.isfinite(np.hstack([by_gyro, x_WB])).all(axis=1))
     at = both[:: max(both.size // PIECES, 1)]
-    gyro, attitude = (
-        R[:-1].inv() * R[1:]
-        for R in (Rotation.from_quat(by_gyro[at]), Rotation.from_quat(x_WB[at]))
-    )
-    turned = np.concatenate([gyro.magnitude(), attitude.magnitude()])
-    apart = np.linalg.norm((gyro.inv() * attitude).magnitude())
-    return float(apart / np.linalg.norm(turned)) if turned.any() else np.nan
+    every = Rotation.from_quat(by_gyro[at]), Rotation.from_quat(x_WB[at])
+    return Turned(*((R[:-1].inv() * R[1:]).as_rotvec() for R in every))

@@ -1,14 +1,14 @@
 """Gyro and attitude show the same turning, or one of them is written otherwise."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from cause_problems import clean, problem_with
 
-from orbident.diagnosis.conventions import conventions
+from orbident.diagnosis.conventions import conventions, turned_in
 from orbident.diagnosis.linear_test import tried_conventions
-from orbident.preprocessing.integrals import disagreement
 
 EVERY = 4  # rows: an attitude that is rarer than the gyro's samples
 
@@ -35,15 +35,29 @@ def of_them(columns: Columns) -> list[str]:
 
 
 def test_both_agree_as_they_were_recorded():
-    recording = problem_with(RARE).recording
-    both = recording.vector("gyro"), recording.vector("attitude", "xyzw")
-    assert disagreement(recording.t, *both) < 0.02
+    turned = turned_in(problem_with(RARE).recording)
+    assert turned.apart < 0.02
+    assert turned.ratio == pytest.approx(1.0, abs=0.02)
     assert not of_them({})
+
+
+def test_a_single_attitude_shows_no_convention():
+    first = {
+        f"attitude.{axis}": lambda x: np.where(np.arange(x.size), np.nan, x)
+        for axis in "xyzw"
+    }
+    assert np.isnan(turned_in(problem_with(first).recording).apart)
+    assert tried_conventions(problem_with(first))
 
 
 @pytest.mark.parametrize(
     ("columns", "words"),
     [
+        (
+            {f"gyro.{axis}": lambda x: 2 * x for axis in "xyz"},
+            "the gyro turns the base 2 times as far as the attitude does, so that its "
+            "unit, or that of the times, is another one",
+        ),
         (
             {f"gyro.{axis}": np.degrees for axis in "xyz"},
             "the gyro is in degrees per second",
@@ -66,6 +80,14 @@ def test_what_makes_them_agree_is_named(columns: Columns, words: str):
     assert words in first.convention.cause
     assert first.residuals_alone > 10
     assert any(words in cause for cause in of_them(one | both))
+
+
+def test_times_that_are_twice_as_long_are_named():
+    problem = problem_with(RARE)
+    longer = replace(problem.recording, t=2 * problem.recording.t)
+    first = tried_conventions(problem.amended(recording=longer))[0]
+    assert "turns the base 2 times as far" in first.convention.cause
+    assert first.residuals_alone > 10
 
 
 def test_a_clock_that_is_late_is_no_convention():
