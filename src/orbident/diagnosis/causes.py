@@ -38,7 +38,7 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, leaves_nothing
-from orbident.files.names import joined, listed
+from orbident.files.names import joined
 from orbident.recordings.column_checks import float32_step
 from orbident.threads import one_blas_thread
 
@@ -77,7 +77,8 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
         solved: what the result was judged by.
         search: whether it ends after some seconds, with the likeliest causes tried.
     """
-    if search == "none" or any(one.name == "cause" for one in solved.hindered):
+    said = {one.name for one in solved.hindered} & {"cause", "motion"}
+    if search == "none" or said:
         return ()
     left = max(QUICK - solved.cpu_s, LEAST) if search == "quick" else np.inf
     return tuple(_causes(solved, process_time() + left))
@@ -128,12 +129,6 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
         yield _found(
             f"the times were kept as float32, in steps of {step:.2g} s",
             "write times as float64, or seconds from a start that is near",
-        )
-    measured = {*problem.robot.joint_names} - {*problem.robot.passive}
-    if measured and not measured - {*problem.samples.locked}:
-        yield _found(
-            f"no joint moves: {listed(problem.samples.locked)} never moved",
-            "record the joints while they move, and see that the columns are theirs",
         )
     for words in stale(problem.robot, problem.recording):
         yield _found(
@@ -233,7 +228,7 @@ def _unexplained(
             "no part of the recording fits, and no cause that was tried explains it "
             "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
             "joints)",
-            f"remove what acts{more}",
+            f"see whether anything in it is loose or acts on it{more}",
         )
 
 

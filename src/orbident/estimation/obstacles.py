@@ -4,6 +4,7 @@ import numpy as np
 
 from orbident.estimation.checks import Check
 from orbident.estimation.momentum_problem import EXPLAINED, VARIES, MomentumProblem
+from orbident.files.names import listed
 from orbident.preprocessing.delays import LONGEST, NAMES
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
@@ -26,9 +27,22 @@ def obstacles(problem: MomentumProblem, by_torque: bool = False) -> list[Check]:
         problem: of a recording.
         by_torque: whether torques of joints show how large all parameters are.
     """
+    if still := no_motion(problem):
+        return still
     told = problem.samples.unknown_thrust or (by_torque and not problem.scale_seen)
     scale = [] if told else _no_scale(problem)
     return [*_clocks_apart(problem), *scale, *_no_velocity(problem)]
+
+
+def no_motion(problem: MomentumProblem) -> list[Check]:
+    """Whether all joints are measured, none moved, and no thrust says anything."""
+    robot, samples = problem.robot, problem.samples
+    moving = {*robot.joint_names} - {*samples.locked} or robot.passive
+    if not robot.joints or samples.wrenches or moving:
+        return []
+    reason = f"no joint moves: {listed(samples.locked)} never moved"
+    remedy = "record the joints while they move, and see that the columns are theirs"
+    return [_refused("motion", reason, remedy)]
 
 
 def _clocks_apart(problem: MomentumProblem) -> list[Check]:

@@ -171,9 +171,11 @@ def check_filled(source: str, columns: Mapping[str, np.ndarray]) -> None:
     for names in sensor_groups(columns).values():
         empty = next((name for name in names if np.isnan(columns[name]).all()), None)
         if empty:
+            # The position of a joint is needed.
+            needed = empty.startswith("joint.") and empty.endswith(".position")
+            without = "" if needed else f", or leave out {listed(names)}"
             raise InputError(
-                f"{source}: column '{empty}' has no number in any row; fill it, or "
-                f"leave out {listed(names)}"
+                f"{source}: column '{empty}' has no number in any row; fill it{without}"
             )
 
 
