@@ -330,7 +330,10 @@ def _best(
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
     solution = sized.freed(trial=[solution.state])
-    return (family, sized, solution) if _possible(search, solution, family) else None
+    # Free it follows anything; as large as is most likely it may explain nothing.
+    explains = cost - solution.cost > limit("disturbance", 1)
+    possible = explains and _possible(search, solution, family)
+    return (family, sized, solution) if possible else None
 
 
 def _possible(search: Search, solution: Solution, family: str) -> bool:
