@@ -1,7 +1,7 @@
 """One rule of acceptance, applied: what was found, what that means, what to do."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from orbident.files.json_parts import JsonPart, NullableNumber
@@ -43,6 +43,11 @@ class Check(JsonPart):
     def words(self) -> str:
         """A sentence: what was found, and what to do."""
         return f"{self.reason}; {self.remedy}" if self.remedy else self.reason
+
+    def of(self, label: str) -> "Check":
+        """The same of one of several recordings, which is called so."""
+        name, reason = f"{label}: {self.name}", f"{label}: {self.reason}"
+        return replace(self, name=name, reason=reason)
 
     def __repr__(self) -> str:
         """What it says, in a line."""

@@ -273,3 +273,5 @@ class Solved(NamedTuple):
     include it from then on."""
     cpu_s: float = 0.0
     """CPU seconds that all this took."""
+    label: str = ""
+    """What the recording is called, where it is one of several."""

@@ -190,7 +190,7 @@ class Result(BesideParameters, Identified):
         """
         failed = [check for check in self.checks if not check.passed]
         refused = [check for check in failed if check.level == "do not trust"]
-        if refused and refused[0].name == "cause":
+        if refused and refused[0].name.endswith("cause"):
             return [check.words for check in refused[:2]]
         lost = [check for check in failed if check.name == "pi determined"]
         return [check.words for check in (*refused[:1], *lost)]
@@ -276,7 +276,11 @@ class Result(BesideParameters, Identified):
             search: ends after some seconds ("quick"), or tries all, which may take a
                 minute; or "none".
         """
-        causes = () if self.solved is None else provided("causes")(self.solved, search)
+        solved = self.solved
+        if solved is None:
+            return self
+        found = provided("causes")(solved, search)
+        causes = [one.of(solved.label) if solved.label else one for one in found]
         return replace(self, checks=(*causes, *self.checks), solved=None)
 
     def withheld(self) -> "Result":

@@ -63,8 +63,11 @@ def agreement(solved: Sequence[Solved], labels: Sequence[str]) -> Check:
     is chi-square distributed where they do (Cochran 1954).
     """
     name = "agreement of recordings"
-    # What nothing gave a scale has no numbers, and is refused by itself.
-    told = [np.isfinite(x.estimate.parameters.base.covariance).all() for x in solved]
+    # What is plainly wrong, or has no scale, is refused by itself.
+    told = [
+        not x.hindered and np.isfinite(x.estimate.parameters.base.covariance).all()
+        for x in solved
+    ]
     labels = [*compress(labels, told)]
     solved = [*compress(solved, told)]
     every = range(len(solved))
@@ -156,7 +159,10 @@ def as_one(
         agreement: whether they show the same robot.
     """
     last = results[-1]
-    refused = next((one for one in results if one.status == "rejected"), last)
+    named = [
+        each.solved and each.solved._replace(label=label)
+        for label, each in zip(labels, results, strict=True)
+    ]
     own = {
         name: _every(labels, [getattr(one, name) for one in results]) for name in OWN
     }
@@ -167,7 +173,7 @@ def as_one(
         notes=_notes(results, labels),
         residual=_residual(results, labels),
         samples=sum(one.samples for one in results),
-        solved=refused.solved,
+        solved=next(filter(None, named), None),
         signals=lambda: _signals(results, labels),
     )
     return one if one.status == last.status else one.withheld()
@@ -191,11 +197,7 @@ def _checks(results: Sequence[Result], labels: Sequence[str]) -> Iterator[Check]
     for label, one in zip(labels, results, strict=True):
         for check in one.checks:
             if check.words not in common:
-                yield replace(
-                    check,
-                    name=f"{label}: {check.name}",
-                    reason=f"{label}: {check.reason}",
-                )
+                yield check.of(label)
 
 
 def _notes(results: Sequence[Result], labels: Sequence[str]) -> tuple[str, ...]:
