@@ -35,9 +35,13 @@ style: .venv/tested
 types: .venv/tested
 	$(BIN)/pyright --pythonpath $(BIN)/python
 # Neighbours share fixtures: they stay in one process as long as there is other work.
-# Some tests have limits of time: nothing runs beside them.
+# Some tests have limits of time: nothing runs beside them. Where whole flights are identified
+# the annotations of every call are not checked again, which would take a third of the time.
+FLIGHTS := $(addprefix tests/,browser cli docs faults fuzz mistakes oracles statistics)
+UNCHECKED := --jaxtyping-packages=none,beartype.beartype
 suite: style types
-	$(BIN)/pytest -n 2 --dist worksteal
+	$(BIN)/pytest -n 2 --dist worksteal $(addprefix --ignore ,$(FLIGHTS))
+	$(BIN)/pytest -n 2 --dist worksteal $(FLIGHTS) $(UNCHECKED)
 
 # The tests of the numerical core under AddressSanitizer and UBSan. That there is no room for an
 # array is tested too, and is no fault of a program that says so.
@@ -51,7 +55,7 @@ sanitize: .venv/tested
 		--config-settings=build-dir=build/sanitized-core
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libstdc++.so)" \
 		ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 \
-		$(SANITIZED) -m pytest -n 2 -m core \
+		$(SANITIZED) -m pytest -n 2 -m "core and not slow and not long" $(UNCHECKED) \
 		tests/properties tests/oracles tests/unit/core tests/unit/estimation
 
 # Every benchmark and every script of them once, with small sizes: neither timed nor judged.

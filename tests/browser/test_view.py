@@ -157,6 +157,7 @@ OURS = "div[style^='font-size:0.8em'], div[style^='padding:0.5em']"
 """What this page writes itself; labels of controls are viser's."""
 
 
+@pytest.mark.slow
 def test_text_is_read_on_light_and_dark_pages(shown: Shown):
     papers = set()
     for query in ("?darkMode", ""):
@@ -174,6 +175,7 @@ def test_text_is_read_on_light_and_dark_pages(shown: Shown):
     assert len(papers) == 2
 
 
+@pytest.mark.slow
 def test_a_phone_shows_the_robot_above_the_panel(shown: Shown):
     emulate(shown.browser, PHONE, 800)
     shown.browser.get(shown.url)

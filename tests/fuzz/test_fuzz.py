@@ -14,8 +14,8 @@ from oracle import fault, signature
 from shrinking import shrunk
 from watcher import HANG, HEAVY, Outcome, Watcher
 
-CASES, IDENTIFIED = 150, 40
-"""Some 30 s of a processor."""
+CASES, IDENTIFIED = 60, 16
+"""Some 10 s of a processor."""
 
 NO_FILES = Case("test", ("robots",), {})
 DONE = Outcome(status=0, out="", err="", seconds=0.0, peak=0)

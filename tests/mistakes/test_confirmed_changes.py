@@ -90,6 +90,7 @@ def off(result: oi.Result, true: oi.Robot) -> float:
     return float(np.nanmax(np.abs(result.base.values - beta) / result.base.std))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("alarms", [[-1.5], [-12.0, 9.0]])
 def test_alarms_at_other_times_hide_no_change(alarms: list[float]):
     """A filter that learns raises some before and after, and none when it happens."""

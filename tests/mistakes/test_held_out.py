@@ -15,17 +15,20 @@ NAMED = 0.8
 QUICK = (Case(1, "table 15271", "joint slip"),)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: case.kind)
 def test_a_drawn_mistake_is_named(case: Case):
     found = row(case)
     assert found.named, found
 
 
+@pytest.mark.slow
 def test_a_hard_push_is_no_late_clock():
     found = row(Case(751, "table 73681", "thruster burst"))
     assert found.score.outcome == "right", found
 
 
+@pytest.mark.slow
 def test_what_an_error_explains_is_no_push():
     # The samples that a push leaves out would hide it.
     found = row(Case(711, "table 82917", "other inertial axes"))

@@ -119,6 +119,7 @@ def test_there_are_enough_mistakes():
         assert sum(robot in mistake.robots for mistake in MISTAKES) >= 60
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mistake", [*MISTAKES, *REAL_EFFECTS], ids=lambda x: x.name)
 def test_every_row_of_the_tables_can_be_recorded(mistake: Mistake):
     """What the long tables try in half an hour begins here."""

@@ -54,6 +54,7 @@ def test_a_burst_is_identified(name: str):
     assert begin < AT < AT + FOR < end
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method"),
     [(SPACE, "structured"), (SPACE, "recursive"), (TABLE, "least-squares")],

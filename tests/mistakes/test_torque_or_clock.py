@@ -49,6 +49,7 @@ def test_a_clock_that_is_late(method: Method, rows: int):
     assert found.late == pytest.approx(0.02 * rows, abs=4 * found.std)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", ["0.0001", "0.001"])
 def test_a_torque_for_ten_seconds_is_found(size: str):
     """A step of its search that leads far costs less if parameters stay where it led.

@@ -91,6 +91,7 @@ def test_on_a_table_nothing_accepted_is_wrong(part: float):
     assert result.status == "rejected" or farthest(TABLE, result) < BEYOND
 
 
+@pytest.mark.slow
 def test_what_is_said_to_act_leaves_deviations_narrow():
     unsaid, said = (identified(SPACE, 0.0005, *acts) for acts in ((), ("wheel_loss",)))
     assert said.status == "ok"

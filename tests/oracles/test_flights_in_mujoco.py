@@ -235,6 +235,7 @@ def test_a_flight_ends_well(k: int):
         assert not score.size > FAR, score.row()
 
 
+@pytest.mark.slow
 def test_a_torque_may_give_more_momentum_than_the_wheels_have():
     """The linear fits know of no torque, and see nothing that answers the wheels: four
     times their momentum comes from outside."""

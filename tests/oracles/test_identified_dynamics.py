@@ -36,7 +36,10 @@ EXACT = 1e-8
 BY_PINOCCHIO = 1e-6
 
 ASTROBEE = Path(__file__).parents[2].parent / "shared" / "robots" / "astrobee"
-ROBOTS = ("paper-spatial", "cepheus-like", "dual-arm", "astrobee")
+ROBOTS = (
+    *("paper-spatial", "cepheus-like", "astrobee"),
+    pytest.param("dual-arm", marks=pytest.mark.slow),
+)
 
 
 class Case(NamedTuple):

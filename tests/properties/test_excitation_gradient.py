@@ -97,7 +97,7 @@ recipes = st.builds(
 )
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(recipes)
 def test_gradients_by_differences(recipe):
     robot = recipe.robot()

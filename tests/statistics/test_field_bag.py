@@ -29,6 +29,7 @@ SEEDS = 3
 METHODS = ["least-squares", pytest.param("maximum-likelihood", marks=pytest.mark.long)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     "case", [pytest.param("table", marks=pytest.mark.long), "spacecraft"]

@@ -1,6 +1,7 @@
 """Steps that no smooth motion makes."""
 
 import numpy as np
+import pytest
 from cause_problems import clean, fitted, problem_with, with_recording
 
 from orbident.diagnosis.jumps import jumping, jumps, steps
@@ -21,6 +22,7 @@ def test_a_joint_that_slips_is_put_right():
     assert "t = 15 s" in found.cause
 
 
+@pytest.mark.slow
 def test_a_gyro_that_jumps_by_less_than_it_shows():
     """In the gyro's residuals the step stands out, and its row and size are found."""
     later = np.arange(301) >= 150

@@ -77,6 +77,7 @@ def test_numbered_from_another_corner(tmp_path, seed, valve):
     assert "numbered from another corner: what is recorded as t1 is t7" in named
 
 
+@pytest.mark.slow
 def test_a_refusal_names_it(tmp_path):
     seen = flown(truth(1), 1, duration=25.0)
     named = cause(

@@ -49,6 +49,7 @@ def test_what_trembles_unseen_is_held(seed):
     assert np.abs(ratios).max() < 5
 
 
+@pytest.mark.slow
 def test_what_trembles_and_shows_is_moved():
     robot = load_robot("paper-spatial")
     recording = flight(robot, 0)

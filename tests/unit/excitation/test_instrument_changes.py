@@ -71,6 +71,7 @@ def test_in_space_errors_cost_what_the_bound_says(servicer, table_2, kind):
     assert found.price_of_tolerances == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.slow
 def test_errors_are_common_to_recordings(emulator):
     """More recordings show parameters ever better, but no more of a wheel's scale."""
     robot, one = off_by(emulator, "wheel_inertia"), paper_case(emulator).trajectory

@@ -159,6 +159,7 @@ def test_a_selected_calibration_has_the_column_that_it_has_among_all():
     np.testing.assert_array_equal(some[:, before:-1], chosen)
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(
     seed=st.integers(0, 2**20),

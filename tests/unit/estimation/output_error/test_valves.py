@@ -72,6 +72,7 @@ def test_nothing_is_named_where_all_valves_work(tmp_path):
     assert all(check.level == "trust" for check in result.checks), result.warnings
 
 
+@pytest.mark.slow
 def test_valves_that_are_said_to_act_at_once(tmp_path):
     """Refused; the time is what would explain it."""
     robot = satellite(tmp_path)
@@ -110,6 +111,7 @@ def spread(recording: Recording, name: str) -> float:
     return float(np.sqrt(np.mean([np.mean((p - p.mean(axis=0)) ** 2) for p in parts])))
 
 
+@pytest.mark.slow
 def test_a_floor_that_pushes_at_random(tmp_path):
     """Densities are found, and what they hide is in the deviations."""
     walks = (3e-3, 2e-2)
@@ -126,6 +128,7 @@ def test_a_floor_that_pushes_at_random(tmp_path):
         assert found.value == pytest.approx(true, rel=0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 6])
 def test_a_floor_that_does_not_push(tmp_path, seed):
     """Walks of torque and force are free, and there are none: any that is too small to
