@@ -2,8 +2,9 @@
 
 One that is not in the middle of its axis is off by `a sin(q) + b cos(q)`, and one
 behind a gear by the same of `2 pi k q`, with `k` periods in a radian. On the motor of a
-joint that gives way it shows `q_m = q + c qdd`, and on that of one whose gear has play
-`q_m = q + c sign(qd)`.
+joint that gives way it shows `q_m = q + c tau / I`, with the torque that the motion
+takes by CAD and the inertia that the joint carries, and on that of one whose gear has
+play `q_m = q + c sign(qd)`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +19,9 @@ from orbident.diagnosis.suspects import Numbers, Suspect
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import outstanding
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.model.equations_of_motion import motion_with, movable
+from orbident.model.kinematics import carried_inertia
+from orbident.robot.description import Robot
 
 SMALL = 1e-5
 """rad, m, or rad over the unit of a course: far below what would be seen."""
@@ -27,6 +31,9 @@ BETWEEN = 0.1
 
 SMALL_BEND = 1e-4
 """s^2: of a joint that gives way at 16 Hz."""
+
+LEAST_CARRIED = 1e-6
+"""kg m^2 or kg: a joint without anything behind it does not give way."""
 
 CYCLES = 8
 """Periods over a joint's motion: fewer of them are no line."""
@@ -43,14 +50,16 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
     names, t = problem.robot.joint_names, problem.samples.t
     if not names:
         return
-    position = np.column_stack(problem.samples.q)
-    moved = np.column_stack(problem.samples.qd)
+    samples = problem.samples
+    position = np.column_stack(samples.q)
+    moved = np.column_stack([*samples.w, *samples.qd, *samples.qd_rw])
     seen = np.isfinite(moved).all(axis=1)
     inside = np.clip(problem.recording.t, *t[seen][[0, -1]])
     q = CubicSpline(t[seen], position[seen])(inside)
     rates = CubicSpline(t[seen], moved[seen])
-    qd, qdd = rates(inside), rates(inside, 1)
-    slow = np.maximum(BETWEEN * np.std(moved[seen], axis=0), SMALL)
+    bend = _bend(problem.robot, q, rates(inside), rates(inside, 1))
+    qd = rates(inside)[:, 3 : 3 + len(names)]
+    slow = np.maximum(BETWEEN * np.std(qd, axis=0), SMALL)
     elapsed = (inside - inside[0]) / (inside[-1] - inside[0])
 
     def most(c: Numbers) -> tuple[str, float]:
@@ -78,9 +87,11 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
 
     def soft(c: Numbers) -> str:
         name, bend = most(np.maximum(c, SMALL**2))
+        frequency = 1 / (2 * np.pi * bend**0.5)
         return (
             "joints are flexible, between an encoder on the motor and the link: joint "
-            f"{name} gives way, as if it swung at {1 / (2 * np.pi * bend**0.5):.2g} Hz"
+            f"{name} gives way, as if it swung at {frequency:.2g} Hz ('flexible' in "
+            "the robot file says so)"
         )
 
     one = np.ones(len(names))
@@ -90,7 +101,30 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
     )
     # No play is less than none, and no spring pushes the other way.
     yield _of_joints(names, playing, SMALL * one, [qd / np.hypot(qd, slow)], least=0.0)
-    yield _of_joints(names, soft, SMALL_BEND * one, [qdd], least=0.0)
+    yield _of_joints(names, soft, SMALL_BEND * one, [bend], least=0.0)
+
+
+def _bend(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    rates: Float[np.ndarray, "n rates"],
+    accelerations: Float[np.ndarray, "n rates"],
+) -> Float[np.ndarray, "n joints"]:
+    """Torques at joints over the inertias that they carry, by CAD, rad/s^2 or m/s^2.
+
+    Args:
+        robot: with its CAD.
+        q: joint positions, rad or m.
+        rates: of the base, joints and wheels.
+        accelerations: of these; the base floats, and its own are not used.
+    """
+    may = movable(robot)
+    none, joints = np.zeros((len(q), 3)), slice(6, 6 + q.shape[1])
+    free = may & (np.arange(may.size) < joints.start)
+    v, v_dot = (np.hstack([none, x]) * may for x in (rates, accelerations))
+    torques = motion_with(robot, q, v, v_dot * ~free, free).Q[:, joints]
+    carried = [carried_inertia(robot, k) for k in range(q.shape[1])]
+    return torques / np.maximum(carried @ robot.theta.ravel(), LEAST_CARRIED)
 
 
 def _of_joints(

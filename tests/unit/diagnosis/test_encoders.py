@@ -6,16 +6,25 @@ from cause_problems import clean, fitted, numbers, problem_with, with_recording
 
 from orbident.diagnosis.encoders import joint_errors, ripples
 from orbident.diagnosis.shifts import less
+from orbident.model.equations_of_motion import equations_of_motion
+from orbident.model.kinematics import carried_inertia
 
 
 def test_joints_that_give_way():
-    """`q_m = q + qdd / (2 pi f)^2`, by differences of the joints' rates."""
-    soft = 1 / (2 * np.pi * 2.0) ** 2
-    problem = problem_with()
-    t, qd = problem.samples.t, np.array(problem.samples.qd)
-    recording = clean().recording
-    for name, rate in zip(clean().robot.joint_names, qd, strict=True):
-        bent = soft * np.gradient(rate, t)
+    """`q_m = q + tau / (I (2 pi f)^2)`: the torques of a base that nothing holds."""
+    robot, samples = clean().robot, problem_with().samples
+    moved = np.vstack([samples.w, samples.qd, samples.qd_rw])
+    none = np.zeros((3, samples.t.size))
+    v, v_dot = (
+        np.vstack([none, x]).T for x in (moved, np.gradient(moved, samples.t, axis=1))
+    )
+    H, c, _ = equations_of_motion(robot, np.array(samples.q).T, v)
+    own = v_dot[:, 6:, None]
+    base = -np.linalg.solve(H[:, :6, :6], H[:, :6, 6:] @ own + c[:, :6, None])
+    tau = (H[:, 6:, :6] @ base + H[:, 6:, 6:] @ own)[..., 0] + c[:, 6:]
+    soft, recording = 1 / (2 * np.pi * 2.0) ** 2, clean().recording
+    for k, name in enumerate(robot.joint_names):
+        bent = soft * tau[:, k] / (carried_inertia(robot, k) @ robot.theta.ravel())
         recording = less(recording, f"joint.{name}", -bent[:, None])
     problem = with_recording(recording)
     *_, suspect = joint_errors(problem)
