@@ -29,7 +29,7 @@ from orbident.diagnosis.noisier_sensors import (
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.trial import Rival, Trial, amended_trial, as_expected
+from orbident.diagnosis.trial import Rival, Trial, amended_trial
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
@@ -94,8 +94,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     if swings or _of_the_scale(solved):
         # That is said: with other joints, or without a scale, anything may explain it.
         return
+    # Trials are compared with a fit in which nothing acts more than it may.
+    usual = shown.expected() if shown and shown.expected else shown
     # A jump spoils the linear equations, where it may look like a wrong sign.
-    usual = as_expected(problem, shown) if shown else None
     now = misfit(usual) if usual else np.inf
     jumped = [_sure(one, now) for one in jumps(problem, usual, now)] if usual else []
     if any(one.accepted for one in jumped):

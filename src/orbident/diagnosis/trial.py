@@ -93,17 +93,6 @@ def _judged(cause: str, problem: MomentumProblem, shown: Estimate) -> Trial:
     return Trial(cause, accepted, misfit(shown), shown, fits=fits)
 
 
-def as_expected(problem: MomentumProblem, shown: Estimate) -> Estimate:
-    """The fit that trials are compared with: nothing acts more than it may.
-
-    Args:
-        problem: as it was fitted.
-        shown: its fit, in which something may act more.
-    """
-    usual = trial("", problem).estimate if shown.unexpected else None
-    return shown if usual is None else usual
-
-
 def amended_trial(
     cause: str,
     problem: MomentumProblem,

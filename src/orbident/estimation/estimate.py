@@ -184,6 +184,8 @@ class Estimate(BesideParameters):
     """What acted from outside has given to the momenta, where something did."""
     tested: "Callable[[], Estimate] | None" = None
     """Asks this fit what acts more than it may; None where that was asked."""
+    expected: "Callable[[], Estimate] | None" = None
+    """The fit in which nothing acts more than it may, where that is another one."""
 
 
 @runtime_checkable

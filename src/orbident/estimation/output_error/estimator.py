@@ -132,9 +132,15 @@ class OutputError:
         equations = equations._replace(shows=search.shows)
         made = partial(_estimate, problem, sensors, densities)
         fit = fit_as_expected(replace(search, problem=equations))
+
+        def in_world() -> Estimate:
+            found = made(fit_in_world(fit, excluded))
+            other = partial(made, fit) if found.unexpected else None
+            return replace(found, expected=other)
+
         if self.tested and not _elsewhere(fit.search.problem, fit.found.solution):
-            return made(fit_in_world(fit, excluded))
-        return replace(made(fit), tested=lambda: made(fit_in_world(fit, excluded)))
+            return in_world()
+        return replace(made(fit), tested=in_world)
 
     def _search(
         self, problem: MomentumProblem, sensors: Sensors, step: Callable[[], object]
