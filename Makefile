@@ -35,13 +35,11 @@ style: .venv/tested
 types: .venv/tested
 	$(BIN)/pyright --pythonpath $(BIN)/python
 # Neighbours share fixtures: they stay in one process as long as there is other work.
-# Some tests have limits of time: nothing runs beside them. Where whole flights are identified
-# the annotations of every call are not checked again, which would take a third of the time.
-FLIGHTS := $(addprefix tests/,browser cli docs faults fuzz mistakes oracles statistics)
+# Some tests have limits of time: nothing runs beside them. The annotations of every call are
+# checked by pytest alone, and by the slow tests: here that would take a third of the time.
 UNCHECKED := --jaxtyping-packages=none,beartype.beartype
 suite: style types
-	$(BIN)/pytest -n 2 --dist worksteal $(addprefix --ignore ,$(FLIGHTS))
-	$(BIN)/pytest -n 2 --dist worksteal $(FLIGHTS) $(UNCHECKED)
+	$(BIN)/pytest -n 2 --dist worksteal $(UNCHECKED)
 
 # The tests of the numerical core under AddressSanitizer and UBSan. That there is no room for an
 # array is tested too, and is no fault of a program that says so.

@@ -125,6 +125,7 @@ def check_resumed(given: Path, wanted: pa.Table, out: Path) -> None:
     assert leftovers(out) == []
 
 
+@pytest.mark.slow
 @LINUX
 def test_one(given: Path, undisturbed: pa.Table, tmp_path: Path):
     """A kill of the command as soon as it has made a run."""

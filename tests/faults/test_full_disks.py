@@ -109,6 +109,7 @@ def filled(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
     return check_refused(status, said, here, name, tmp_path / f"{seed}.new")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not may_mount(), reason="the system does not let this user mount a small disk"
 )

@@ -67,6 +67,7 @@ def test_other_methods_leave_the_burst_out(name: str, method: Method):
     assert np.max(np.abs(off) / result.base.std) < 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [SPACE, TABLE])
 def test_a_capture_is_no_push(name: str):
     assert identified(changing(-1, 0.3)(clean(name))).status == "rejected"

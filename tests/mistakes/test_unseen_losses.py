@@ -72,6 +72,7 @@ def test_in_space_losses_are_found_or_in_the_deviations(name: str, part: float):
         assert any("wheels lose momentum" in words for words in result.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.0005, 0.001])
 @pytest.mark.parametrize("name", [SPACE, "space 6"])
 def test_losses_too_faint_to_be_found_are_held_where_wheels_are_not_measured(

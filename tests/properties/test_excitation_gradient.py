@@ -97,6 +97,7 @@ recipes = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=4, deadline=None)
 @given(recipes)
 def test_gradients_by_differences(recipe):

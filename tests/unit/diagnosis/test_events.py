@@ -1,11 +1,13 @@
 """A recording that is good until something happens."""
 
 import numpy as np
+import pytest
 from cause_problems import clean, problem_with
 
 from orbident.diagnosis.events import event
 
 
+@pytest.mark.slow
 def test_a_position_that_drifts_from_the_middle_on():
     later = np.maximum(np.arange(301) - 150, 0)
     happened = event(problem_with({"position.y": lambda x: x + 1e-3 * later[: x.size]}))

@@ -74,6 +74,7 @@ def signals(
     return left, moved(q, np.outer(rate, axes))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [0.3, 1.0, 3.0])
 def test_a_ring_is_found_at_the_frequency_of_the_free_base(held: float):
     for seed in range(4):

@@ -189,6 +189,7 @@ def test_what_must_be_integrated_is_read_whole(robot: Robot, recording: Recordin
     assert digest_of(robot, long, "unknown") is None
 
 
+@pytest.mark.slow
 def test_a_late_clock_is_corrected(robot: Robot, monkeypatch: pytest.MonkeyPatch):
     """Joints and wheels show what was 20 ms ago."""
     monkeypatch.setattr("orbident.estimation.clock_search.MOST", 1000)

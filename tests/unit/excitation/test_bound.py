@@ -29,6 +29,7 @@ def test_without_wheels_torques_give_the_scale(torques):
     assert found.determined.any() == bool(torques)
 
 
+@pytest.mark.slow
 def test_of_a_panel_that_swings(tmp_path):
     """What an estimate of a simulated recording states is what the bound promises."""
     for name in ("satellite.xml", "satellite.yaml"):

@@ -51,6 +51,7 @@ def test_a_motion_that_knows_the_table(emulator):
     assert made["price_of_random_start"] > 1
 
 
+@pytest.mark.slow
 def test_the_search_chooses_harmonics_where_anything_may_act(emulator, servicer):
     given = conditions_for(emulator, 20.0)
     there = in_its_world(emulator)

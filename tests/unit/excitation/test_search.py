@@ -36,6 +36,7 @@ def run(case, effort, seed=0, report=lambda _: None) -> Searched:
     return JointSearch(effort, report, [case], seed).run()
 
 
+@pytest.mark.slow
 def test_descends_inside_the_limits(case):
     problem, (polytope, _, _), _ = case
     searched = run(case, Effort(3, None))
@@ -49,6 +50,7 @@ def test_descends_inside_the_limits(case):
         assert polytope.slack(found.y).min() > -OUTSIDE
 
 
+@pytest.mark.slow
 def test_a_limit_of_the_base_costs(emulator, given, case):
     free = replace(given, limits=limits_of(emulator))
     problem = problem_for(emulator, free, "cond", 0.0)

@@ -69,6 +69,7 @@ def test_the_bound_is_what_identify_then_gives(tmp_path: Path):
     assert result.base.std == pytest.approx(np.sqrt(np.diag(bound)), rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_best_of_many_is_better_than_most(tmp_path: Path):
     robot = satellite(tmp_path, more=SENSORS)
     made = designed(robot, starts=8).design

@@ -51,6 +51,7 @@ def spatial(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return exported(folder, "paper-spatial", 16.0, 10.0)
 
 
+@pytest.mark.slow
 @needs("ld")
 def test_a_linked_program_has_no_heap(spatial: Path, tmp_path: Path):
     """The filter alone in a shared library: the map names what it draws in."""
@@ -105,6 +106,7 @@ def branches(object_: Path) -> tuple[Counter[str], Counter[str]]:
     return taken, every
 
 
+@pytest.mark.slow
 def test_an_application_for_cfs(spatial: Path, tmp_path: Path):
     """The example against our own stubs of cFE: every estimate that it sends."""
     example = CHECKS.parents[3] / "examples" / "cfs"

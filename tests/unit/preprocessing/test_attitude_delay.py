@@ -36,6 +36,7 @@ def test_the_delay_is_found_exactly_without_noise(late):
     assert found.believed
 
 
+@pytest.mark.slow
 def test_with_noise_it_is_as_sure_as_it_says():
     errors = []
     for seed in range(20):

@@ -51,6 +51,7 @@ def found(robot: Robot, late: float, noise, seed=0, duration=40.0) -> oi.Result:
     return oi.identify(guess, recording, initial_momentum=momentum)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0.037, -0.2])
 def test_without_noise_the_delay_is_exact(late):
     delay = found(SPATIAL, late, "none").clocks["joints"]
@@ -110,6 +111,7 @@ def test_what_shares_a_clock_is_corrected_together():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("who", [("joint.", "wheel."), ("attitude.", "position.")])
 @pytest.mark.parametrize("seconds", [1.5, 6.0])
 def test_clocks_that_were_never_set_together_are_refused(who, seconds):

@@ -54,6 +54,7 @@ def frames(path: Path) -> list[np.ndarray]:
     return found
 
 
+@pytest.mark.slow
 def test_it_is_small_and_short(clip: Path, replay: Replay):
     assert clip.stat().st_size < 5_000_000
     with Image.open(clip) as opened:
@@ -84,6 +85,7 @@ def test_the_ghost_of_cad_leaves(clip: Path):
     assert red[-1] > 500
 
 
+@pytest.mark.slow
 def test_without_a_model_only_the_measured_robot_is_there(
     replay: Replay, tmp_path: Path
 ):

@@ -109,6 +109,7 @@ def test_residuals_are_measured_minus_predicted(robot, flight: Recording):
     assert np.allclose(r_S, np.tile(-up, (n, 1)), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_cad_goes_elsewhere_unless_it_is_right(robot, flight: Recording):
     """Of a robot that is as CAD has it, and of one whose base is heavier by half."""
     result = identify(robot, flight, method="least-squares")

@@ -235,6 +235,7 @@ def test_declared_errors_are_in_the_deviations(robot, kind):
     check(trial(robot, *PLANAR[kind], noisy))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", kinds(SPATIAL))
 def test_declared_errors_in_space(kind):
     robot = knowing_its_noise(small_robot_in_space())

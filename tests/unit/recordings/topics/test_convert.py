@@ -340,6 +340,7 @@ def test_nothing_is_left_beside_the_recording(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_many_blocks_of_rows(tmp_path):
     # More than a block of the table and than a batch of a track, in reverse.
     count = 40_000
