@@ -256,7 +256,7 @@ def _reconciling(
 
 
 def turned_in(recording: Recording) -> Turned:
-    """How the base turned by both sensors of that."""
+    """How the base turned in a recording by its gyro, and by its attitude."""
     attitude = recording.vector("attitude", COMPONENTS["attitude"])
     return turned(recording.t, recording.vector("gyro"), attitude)
 

@@ -129,7 +129,7 @@ def plain_mistake(problem: MomentumProblem) -> list[Check]:
     left = np.array([_part_left(fits.pi), _part_left(fits.phi)])
     absurd = left > ABSURD
     if absurd.any():
-        absurd &= _white_parts(problem) < 1 / FALLS
+        absurd &= 1 - _correlations(problem) < 1 / FALLS**2
     if not absurd.any() and not _left(problem, fits).far:
         return []
     best, *_ = tried_conventions(problem)
@@ -152,7 +152,7 @@ def _lasting_parts(problem: MomentumProblem) -> Float[np.ndarray, "2"]:
     """The parts that the equations leave, without noise of single samples."""
     fits = problem.fits
     left = np.array([_part_left(each) for each in (fits.pi, fits.phi)])
-    return left * np.sqrt(1 - _white_parts(problem) ** 2)
+    return left * np.sqrt(_correlations(problem))
 
 
 def _part_left(fit: LinearFit) -> float:
@@ -161,19 +161,19 @@ def _part_left(fit: LinearFit) -> float:
     return fit.unexplained / whole if whole > 0 else 0.0
 
 
-def _white_parts(problem: MomentumProblem) -> Float[np.ndarray, "2"]:
-    """The part of the residuals of Eqs. 24 and 31 that is noise of single samples.
+def _correlations(problem: MomentumProblem) -> Float[np.ndarray, "2"]:
+    """Those of neighbouring residuals of Eqs. 24 and 31: the part that is no noise.
 
-    No convention lowers it. It is what differs from sample to sample, over the root of
-    two (von Neumann 1941).
+    No convention lowers noise of single samples, which differs from one to the next
+    (von Neumann 1941). Less than white noise has by chance says nothing of what lasts.
     """
-    fits, parts = problem.fits, {"momentum": 0.0, "velocity": 0.0}
+    fits, parts = problem.fits, {"momentum": 1.0, "velocity": 1.0}
     for signal in equation_signals(
         *(problem.robot, problem.sets, problem.samples, problem.initial_momentum),
         *(fits.pi.values, fits.phi.values),
     ):
         left = signal.measured - signal.predicted
-        parts[signal.name] = float(np.sqrt(1 - whiteness(left)))
+        parts[signal.name] = max(whiteness(left), len(left) ** -0.5)
     return np.array([*parts.values()])
 
 

@@ -45,7 +45,7 @@ class Check(JsonPart):
         return f"{self.reason}; {self.remedy}" if self.remedy else self.reason
 
     def of(self, label: str) -> "Check":
-        """The same of one of several recordings, which is called so."""
+        """This check, with the name of the recording that it is of before its words."""
         name, reason = f"{label}: {self.name}", f"{label}: {self.reason}"
         return replace(self, name=name, reason=reason)
 

@@ -109,3 +109,19 @@ def noisier(recording: Recording, seed: int) -> dict[str, np.ndarray]:
         else x + 0.01 * np.nanstd(x) * random.standard_normal(x.size)
         for name, x in recording.columns.items()
     }
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_noise_that_changes_its_sign_from_sample_to_sample(robot, recording, sign):
+    """It is less alike than white noise: the root of that would be no number."""
+    there_and_back = 5e-3 * (-1.0) ** np.arange(recording.t.size)
+    gyro = {f"gyro.{k}": recording.column(f"gyro.{k}") + there_and_back for k in "xyz"}
+    for name in recording.columns:
+        if name.startswith("wheel.rw_x"):
+            gyro[name] = sign * recording.column(name)
+    problem = momentum_problem(
+        robot, recording.with_columns(gyro), "unknown", lambda _: None
+    )
+    found = [check.reason for check in plain_mistake(problem)]
+    assert len(found) == (sign < 0)
+    assert all("the sign of wheel rw_x" in reason for reason in found)

@@ -353,7 +353,7 @@ def _by_an_instrument(
     least: float,
 ) -> bool:
     """Whether one that is off is likelier than what has this evidence."""
-    excess = _errors(zeros)
+    excess = zeros.errors_beyond_chance()
     for instrument in _likely(excess):
         most = cost * (1 - FURTHER * excess[instrument] / zeros.solution.cost)
         if integrated_out(cost, most, 1) < least:
@@ -381,15 +381,6 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
         - limit("instrument" if family in gains else "disturbance", square.dof, among)
         for family, square in squares.items()
         if square.dof
-    }
-
-
-def _errors(zeros: TakenForZero) -> dict[str, float]:
-    """The same of each error of an instrument that is taken for zero."""
-    among = max(len(zeros.errors), 1)
-    return {
-        each.name: zeros.score([each.name]).fall - limit("disturbance", 1, among)
-        for each in zeros.errors
     }
 
 

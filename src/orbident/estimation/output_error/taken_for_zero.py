@@ -24,6 +24,7 @@ from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident.environment.agents import NOISE
+from orbident.estimation.levels import limit
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.estimation.unknowns import Score, Sensitivity, Unknown, score
@@ -89,6 +90,11 @@ class TakenForZero:
         """What all of these would be if they were unknowns."""
         left = self.equations(names)
         return score(left[:, :-1], left[:, -1])
+
+    def errors_beyond_chance(self) -> dict[str, float]:
+        """By how much an instrument's error explains more than chance does, by name."""
+        most = limit("disturbance", 1, max(len(self.errors), 1))
+        return {each.name: self.score([each.name]).fall - most for each in self.errors}
 
     def shift(self, names: Collection[str]) -> Float[np.ndarray, "unknowns n"]:
         """`B`: how all unknowns of the solution change by these, of size one."""
