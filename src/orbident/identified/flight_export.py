@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from shutil import copyfile
+from string import Template
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,7 @@ from orbident.estimation.recursive.filter_input import filter_input_of
 from orbident.estimation.recursive.history import Detector, filter_history
 from orbident.estimation.result import Result
 from orbident.files.folder_replacing import replacing_files
+from orbident.identified.generated_code import template_text
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
@@ -96,7 +98,7 @@ def robot_header(
         "ROBOT_BETA, ROBOT_ROOT, ROBOT_OPENING",
         f"{detector.window}, {_real(detector.threshold)}",
     ]
-    return _TEMPLATE.format(
+    return Template(template_text("robot_h.txt")).substitute(
         memory=memory,
         state=state,
         measured=2 * joints + wheels + 16,
@@ -105,31 +107,6 @@ def robot_header(
         body=body,
         fields=",\n    ".join(fields),
     )
-
-
-_TEMPLATE = """\
-/* The constant table of a robot and its filter: see orbident/flight.h. */
-#ifndef ORBIDENT_ROBOT_H
-#define ORBIDENT_ROBOT_H
-
-#include "orbident/flight.h"
-
-#define ROBOT_MEMORY {memory} /* numbers of a filter, */
-#define ROBOT_STATE {state} /* those to keep to go on later, */
-#define ROBOT_MEASURED {measured} /* of a sample, */
-#define ROBOT_BETAS {betas} /* of the estimate: */
-{meaning}
-
-#define R(x) ((orbident_real)(x))
-
-{body}
-ORBIDENT_CONSTANT orbident_robot ROBOT = {{
-    {fields}}};
-
-#undef R
-
-#endif
-"""
 
 
 def reals(name: str, values: Floats) -> str:
@@ -313,25 +290,18 @@ def _golden(
     tables: Mapping[str, np.ndarray], h_cm: Float[np.ndarray, "3"] | None
 ) -> str:
     """The text of `golden.h`, from tables with a row a step."""
-    steps = min(len(tables["TIME"]), MOST)
-    lines = [
-        "/* Samples of a recording, as the filter takes them, and what Python's filter",
-        " * makes of each: the estimate, and the statistic of a change. */",
-        "#ifndef ORBIDENT_GOLDEN_H",
-        "#define ORBIDENT_GOLDEN_H",
-        "",
-        "#include <math.h>",
-        '#include "orbident/flight.h"',
-        "",
-        f"#define GOLDEN_STEPS {steps}",
-        *(f"static const double GOLDEN_{n}[] = {_rows(x)};" for n, x in tables.items()),
-    ]
-    if h_cm is None:
-        lines.append("static const orbident_real* const GOLDEN_MOMENTUM = 0;")
-    else:
+    momentum = "static const orbident_real* const GOLDEN_MOMENTUM = 0;"
+    if h_cm is not None:
         known = ", ".join(f"(orbident_real){hexadecimal(h)}" for h in h_cm)
-        lines.append(f"static const orbident_real GOLDEN_MOMENTUM[] = {{{known}}};")
-    return "\n".join([*lines, "", "#endif", ""])
+        momentum = f"static const orbident_real GOLDEN_MOMENTUM[] = {{{known}}};"
+    return Template(template_text("golden_h.txt")).substitute(
+        steps=min(len(tables["TIME"]), MOST),
+        tables="\n".join(
+            f"static const double GOLDEN_{name}[] = {_rows(table)};"
+            for name, table in tables.items()
+        ),
+        momentum=momentum,
+    )
 
 
 def _rows(table: np.ndarray) -> str:

@@ -65,7 +65,7 @@ def equations_as_c(model: Dynamics) -> str:
         "",
         *(_c_table(name, table) for name, table in _tables(robot)),
     ]
-    return "\n".join(lines) + "\n" + _template("equations_c.txt")
+    return "\n".join(lines) + "\n" + template_text("equations_c.txt")
 
 
 def equations_as_matlab(model: Dynamics, name: str) -> str:
@@ -76,7 +76,7 @@ def equations_as_matlab(model: Dynamics, name: str) -> str:
     Raises:
         InputError: a joint is passive, or MATLAB has no such names.
     """
-    template = _template("equations_m.txt")
+    template = template_text("equations_m.txt")
     taken = {*MATLAB_KEYWORDS, *re.findall(r"function .*?(\w+)\(", template)}
     if name in taken or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name):
         raise InputError(
@@ -94,7 +94,8 @@ def equations_as_matlab(model: Dynamics, name: str) -> str:
     return "\n".join(lines) + "\n" + template
 
 
-def _template(name: str) -> str:
+def template_text(name: str) -> str:
+    """A file of `template`, which is part of what is exported."""
     return files("orbident.identified").joinpath(f"template/{name}").read_text()
 
 

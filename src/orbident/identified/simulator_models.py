@@ -10,8 +10,8 @@ bodies. There is none in Basilisk for other trees.
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from importlib.metadata import version
-from importlib.resources import files
 from pprint import pformat
+from string import Template
 from typing import Any, SupportsFloat
 
 import numpy as np
@@ -30,6 +30,7 @@ from orbident.identified.exported_robot import (
     exported_robot,
     unused,
 )
+from orbident.identified.generated_code import template_text
 from orbident.model.core_robot import theta_with_rotors
 from orbident.robot.description import NO_FRICTION, Friction, Joint, Robot
 from orbident.robot.formats.urdf_text import roll_pitch_yaw, spaced
@@ -208,24 +209,6 @@ def _add(parent: ET.Element, tag: str, numbers: Iterable[SupportsFloat]) -> None
     ET.SubElement(parent, tag).text = spaced(numbers)
 
 
-HEAD = '''\
-"""The spacecraft {name} for Basilisk, as Orbident {version} identified it.
-
-Run this file for a short free flight, or import it and add what `build()` returns to a
-task of your own. SI units. Frame B is that of the base link.
-"""
-
-import numpy as np
-from Basilisk.simulation import (
-    linearTranslationNDOFStateEffector,
-    reactionWheelStateEffector,
-    spacecraft,
-    spinningBodyNDOFStateEffector,
-)
-from Basilisk.utilities import SimulationBaseClass, macros, simIncludeRW
-
-'''
-
 ELSEWHERE = "export a .xml, which Basilisk's MuJoCo scenes read"
 
 
@@ -256,11 +239,11 @@ def basilisk_script(made: ExportedRobot) -> str:
     lines = [f"{key} = {pformat(x, sort_dicts=False)}" for key, x in data.items()]
     if lacks := made.mechanism.lacks_without_armature:
         lines.insert(0, f"# {lacks}.")
-    code = files("orbident.identified").joinpath("template/basilisk.txt").read_text()
     # A name may hold quotes.
     name = "".join(c for c in robot.name if c.isalnum() or c in " -_.")
-    head = HEAD.format(name=name, version=version("orbident"))
-    return "\n".join([head, *lines, code])
+    head = Template(template_text("basilisk_head.txt"))
+    about = head.substitute(name=name, version=version("orbident"))
+    return "\n".join([about, *lines, template_text("basilisk.txt")])
 
 
 def _arm(robot: Robot, first: int) -> Iterator[int]:
