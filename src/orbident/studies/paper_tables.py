@@ -1,26 +1,20 @@
 """The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from orbident.files.json_parts import nulled
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
-# Table 2: row per joint, column per harmonic.
-SPATIAL_A = (
-    (0.0411, -0.0622, 0.0002),
-    (0.0435, -0.0407, -0.1253),
-    (0.0516, -0.0423, 0.1343),
-)
-SPATIAL_B = (
-    (0.0533, -0.1269, 0.0171),
-    (-0.0393, 0.0596, -0.0444),
-    (-0.0153, 0.0449, 0.0463),
-)
+TABLES = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text("utf-8"))
+"""Tables 2, 4, 5 and 6 by their names; the file says what their rows are."""
+
 SPATIAL_DURATION = 80.0
 SPATIAL_RATE = 20.0
 
@@ -29,39 +23,10 @@ SPATIAL_ANGULAR_VELOCITY = (0.01, 0.03, 0.025)
 SPATIAL_ATTITUDE = (0.2, 0.1, 0.3, 0.93)
 SPATIAL_WHEEL_MOMENTUM = (50.0, 50.0, 50.0)
 
-# Table 4: true value, relative error in percent without and with noise.
-SPATIAL_TRUE = {
-    "pi_1": (843.15, 2e-12, 0.04),
-    "pi_2": (-111.75, -7e-12, -0.32),
-    "pi_3": (120.82, 3e-11, 0.04),
-    "pi_4": (843.15, 2e-12, 0.08),
-    "pi_5": (120.82, 2e-11, 0.20),
-    "pi_6": (1123.50, 5e-12, 0.11),
-    "pi_7": (310.86, 9e-12, 0.23),
-    "pi_8": (310.87, 2e-12, 0.14),
-    "pi_9": (-246.37, -5e-12, -0.44),
-    "pi_10": (246.42, 9e-12, 0.17),
-    "pi_11": (-64.39, -2e-11, -0.88),
-    "pi_12": (64.44, 3e-12, 0.01),
-    "pi_13": (-143.50, -1e-13, -0.17),
-    "pi_14": (158.56, 1e-12, 0.32),
-    "pi_15": (-143.50, -2e-12, -0.23),
-    "pi_16": (-47.83, -5e-12, -0.11),
-    "pi_17": (52.85, 9e-12, 0.58),
-    "pi_18": (-47.83, 2e-12, -0.19),
-    "pi_19": (93.24, -1e-12, 0.15),
-    "phi_1": (-0.96, -3e-13, -1.77),
-    "phi_2": (-0.96, -9e-14, -1.28),
-    "phi_3": (0.05, 1e-12, 2.87),
-    "phi_4": (0.14, 6e-13, 2.07),
-    "phi_5": (-0.56, -1e-12, -1.50),
-}
+SPATIAL_TRUE: dict[str, list[float]] = TABLES["table4"]
 # Section 4: of the total mass by Eq. 42, with noise, percent.
 SPATIAL_MASS_ERROR = 0.97
 
-# Table 5: row per joint, column per harmonic.
-PLANAR_A = ((-0.025, -0.119, 0.100), (-0.004, -0.003, 0.113))
-PLANAR_B = ((0.007, 0.093, -0.158), (-0.050, 0.126, 0.058))
 PLANAR_DURATION = 20.0
 PLANAR_RATE = 100.0
 # Section 5.1: from S to the first joint, m; Eq. 45, rad/s.
@@ -70,22 +35,7 @@ PLANAR_WHEEL_SPEED = -170.0
 # Section 5.2.
 PLANAR_CONDITION = 153.0
 
-# Table 6: identified; the true values are not known.
-PLANAR_IDENTIFIED = {
-    "pi_1": 0.0029,
-    "pi_2": 0.0012,
-    "pi_3": -0.0004,
-    "pi_4": 0.0024,
-    "pi_5": 0.1448,
-    "pi_6": -0.0018,
-    "pi_7": 0.0079,
-    "pi_8": 0.0010,
-    "phi_1": 0.1579,
-    "phi_2": 0.0759,
-    "phi_3": 0.0020,
-    "phi_4": 0.0004,
-    "M": 13.56,
-}
+PLANAR_IDENTIFIED: dict[str, float] = TABLES["table6"]
 # Section 5.5: on scales, kg; of the mass by Eq. 40, percent.
 PLANAR_MASS_WEIGHED = 13.55
 PLANAR_MASS_ERROR = 0.1
@@ -158,8 +108,7 @@ def spatial_trajectory(robot: Robot) -> Trajectory:
         attitude=np.array(SPATIAL_ATTITUDE),
         wheel_speed=speeds,
     )
-    series = np.array(SPATIAL_A), np.array(SPATIAL_B)
-    return _exciting(robot, SPATIAL_DURATION, series, initial, "Table 2")
+    return _exciting(robot, SPATIAL_DURATION, "2", initial)
 
 
 def planar_robot() -> Robot:
@@ -171,17 +120,13 @@ def planar_trajectory(robot: Robot) -> Trajectory:
     """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
     speeds = dict.fromkeys(robot.wheel_names, PLANAR_WHEEL_SPEED)
     initial = InitialState(wheel_speed=speeds)
-    series = np.array(PLANAR_A), np.array(PLANAR_B)
-    return _exciting(robot, PLANAR_DURATION, series, initial, "Table 5")
+    return _exciting(robot, PLANAR_DURATION, "5", initial)
 
 
 def _exciting(
-    robot: Robot,
-    duration: float,
-    series: tuple[np.ndarray, np.ndarray],
-    initial: InitialState,
-    source: str,
+    robot: Robot, duration: float, table: str, initial: InitialState
 ) -> Trajectory:
-    """A motion from rest to rest with the Fourier series `a` and `b`."""
-    rest, joints = np.zeros((len(robot.joints), 3)), robot.joint_names
-    return Trajectory(duration, joints, *series, rest, rest, initial, source=source)
+    """A motion from rest to rest with the Fourier series of a table."""
+    a, b = (np.array(TABLES[f"table{table}"][name]) for name in "ab")
+    joints, source = robot.joint_names, f"Table {table}"
+    return Trajectory(duration, joints, a, b, initial=initial, source=source)
