@@ -2,7 +2,10 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from importlib.resources import files
 from pathlib import Path
+
+import yaml
 
 from orbident.data_table import Numeric, table_of
 from orbident.errors import InputError
@@ -50,18 +53,14 @@ def provenance(result: Result) -> Section:
 
 def references(result: Result) -> Section:
     """References of the methods that were used."""
-    words = {way for origin in result.origins.values() for way in origin.split("; ")}
-    smoothed = any(WORDS[each] in words for each in SMOOTHED)
-    return Section(
-        name="references",
-        title="References",
-        words=(
-            THE_PAPER,
-            *BY_METHOD.get(result.method, ()),
-            *([SMOOTHING] if smoothed else []),
-            SPECTRA,
-        ),
-    )
+    ways = {way for origin in result.origins.values() for way in origin.split("; ")}
+    smoothed = any(WORDS[each] in ways for each in SMOOTHED)
+    text = (files("orbident.report") / "template/references.yaml").read_text("utf-8")
+    known = yaml.safe_load(text)
+    words = [known["first"], *known["by_method"].get(result.method, ())]
+    if smoothed:
+        words.append(known["where_smoothed"])
+    return Section("references", "References", (*words, known["last"]))
 
 
 def _settings(result: Result) -> Iterator[tuple[str, ...]]:
@@ -94,55 +93,6 @@ def _left_out(result: Result) -> Iterator[tuple[str, ...]]:
     for column, reasons in result.rejected.items():
         words = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
         yield column, words
-
-
-THE_PAPER = (
-    "On the parameter identification of free-flying space manipulator systems: "
-    "momentum (Eqs. 17-26), velocity (Eqs. 27-31), mass (Eqs. 32-42)"
-)
-
-_LINEAR = (
-    "G. Golub, Numerical methods for solving linear least squares problems, "
-    "Numerische Mathematik 7, 1965",
-    "W. Khalil, E. Dombre, Modeling, Identification and Control of Robots, 2002 "
-    "(minimal sets)",
-)
-
-_MOST_LIKELY = (
-    "R. Maine, K. Iliff, Identification of Dynamic Systems: Theory and Formulation, "
-    "NASA RP-1138, 1985 (output error)",
-    "H. G. Bock, Recent advances in parameter identification techniques for ODE, 1983 "
-    "(multiple shooting)",
-    "D. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, "
-    "SIAM Journal on Applied Mathematics 11, 1963",
-    "G. Bierman, Factorization Methods for Discrete Sequential Estimation, 1977",
-    "P. Huber, Robust estimation of a location parameter, Annals of Mathematical "
-    "Statistics 35, 1964 (outliers)",
-)
-
-BY_METHOD = {
-    "least-squares": _LINEAR,
-    "structured": (*_LINEAR, _MOST_LIKELY[2]),
-    "maximum-likelihood": (*_LINEAR, *_MOST_LIKELY),
-    "recursive": (
-        *_LINEAR,
-        _MOST_LIKELY[3],
-        "A. Willsky, H. Jones, A generalized likelihood ratio approach to the "
-        "detection and estimation of jumps in linear systems, IEEE Transactions on "
-        "Automatic Control 21, 1976",
-        "M. Basseville, I. Nikiforov, Detection of Abrupt Changes, 1993",
-    ),
-}
-
-SMOOTHING = (
-    "G. Wahba, Improper priors, spline smoothing and the problem of guarding against "
-    "model errors in regression, Journal of the Royal Statistical Society B 40, 1978"
-)
-
-SPECTRA = (
-    "P. Welch, The use of fast Fourier transform for the estimation of power spectra, "
-    "IEEE Transactions on Audio and Electroacoustics 15, 1967"
-)
 
 
 def read_validation(path: Path) -> Section | None:
