@@ -4,7 +4,6 @@ import html
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from orbident.report.charts import Trace
 from orbident.report.conditioning import conditioning
 from orbident.report.convergence_section import convergence
 from orbident.report.fit import charts_of
-from orbident.report.page import Chart, Picture, Section
+from orbident.report.page import Chart, Picture, Section, report_text
 from orbident.report.parameter_section import (
     masses,
     parameters,
@@ -157,7 +156,7 @@ def _scale(axes: Axes, way: str, given: Mapping[str, Any]) -> None:
 
 def _colors() -> dict[str, Any]:
     """The page's colours on white paper, by their roles."""
-    style = (files("orbident.report") / "template/page.css").read_text("utf-8")
+    style = report_text("page.css")
     found = dict(re.findall(r"(--\w+): ([^;]+);", style.partition("}")[0]))
     return {
         role: color

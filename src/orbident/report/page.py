@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from math import isfinite
+from importlib.resources import files
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -198,6 +198,11 @@ def filled(template: str, **values: Any) -> str:
     return environment.get_template(template).render(values)
 
 
+def report_text(name: str) -> str:
+    """A file of this package's `template`."""
+    return (files("orbident.report") / "template" / name).read_text("utf-8")
+
+
 def embedded(data: object) -> str:
     """JSON that ends no script element, whatever names are in it; null for NaN."""
     text = json.dumps(_drawable(data), allow_nan=False, separators=(",", ":"))
@@ -213,7 +218,7 @@ def _drawable(data: object, key: str = "") -> object:
         return {name: _drawable(value, name) for name, value in data.items()}
     if isinstance(data, list | tuple):
         return [_drawable(value) for value in data]
-    return None if isinstance(data, float) and not isfinite(data) else data
+    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 @lru_cache(maxsize=1)

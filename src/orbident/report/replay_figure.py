@@ -11,8 +11,8 @@ from orbident.errors import InputError
 from orbident.files.text import read_text, write_text
 from orbident.identified.run_folder import REPLAY
 from orbident.recordings.recording import Recording
-from orbident.report.charts import ERROR, Figure, numbers
-from orbident.report.page import Chart, Section
+from orbident.report.charts import Figure, numbers
+from orbident.report.page import Chart, Section, report_text
 from orbident.robot.description import Robot
 from orbident.scene.replay import (
     MotionHistory,
@@ -54,34 +54,23 @@ def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
         }
         for k in range(shown.t.size)
     ]
-    data = [{**_body(shapes), **_at(points[0])}, {**_ARROW, **_arrow(arrows[0])}]
-    return {"data": data, "frames": frames, "layout": _layout(shown.t, reach)}
+    figure = json.loads(report_text("replay.json"))
+    body, arrow = figure["data"]
+    body |= {**_faces(shapes), **_at(points[0])}
+    arrow |= _arrow(arrows[0])
+    layout = figure["layout"]
+    layout["scene"] |= {f"{k}axis": _axis(k, reach) for k in "xyz"}
+    layout["sliders"][0]["steps"] = [_step(k, time) for k, time in enumerate(shown.t)]
+    return {**figure, "frames": frames}
 
 
-def _body(shapes: list[Shape]) -> dict[str, Any]:
-    """What stays: which vertices make a face, and of which colour."""
+def _faces(shapes: list[Shape]) -> dict[str, Any]:
+    """Which vertices make a face, and of which colour."""
     first = np.cumsum([0, *(len(shape.vertices) for shape in shapes[:-1])])
     faces = np.vstack([s.faces + k for s, k in zip(shapes, first, strict=True)])
     colours = [f"rgb{s.colour}" for s in shapes for _ in s.faces]
-    return {
-        "type": "mesh3d",
-        **{name: numbers(faces[:, k], "<i4") for k, name in enumerate("ijk")},
-        "facecolor": colours,
-        "flatshading": True,
-        "hoverinfo": "skip",
-        "lighting": {"ambient": 0.6, "diffuse": 0.7, "specular": 0.05},
-    }
-
-
-_ARROW = {
-    "type": "scatter3d",
-    "mode": "lines+markers",
-    "line": {"color": ERROR, "width": 6},
-    "marker": {"color": ERROR, "size": [2, 5]},
-    "hoverinfo": "skip",
-    "name": "angular momentum about the CM",
-    "showlegend": True,
-}
+    corners = {name: numbers(faces[:, k], "<i4") for k, name in enumerate("ijk")}
+    return {**corners, "facecolor": colours}
 
 
 def _at(points: Float[np.ndarray, "v 3"]) -> dict[str, Any]:
@@ -92,67 +81,25 @@ def _arrow(end: Float[np.ndarray, "3"]) -> dict[str, Any]:
     return _at(np.vstack([np.zeros(3), end]))
 
 
-def _layout(t: Float[np.ndarray, " n"], reach: float) -> dict[str, Any]:
-    axis = {
+def _axis(name: str, reach: float) -> dict[str, Any]:
+    return {
         "range": [-1.05 * reach, 1.05 * reach],
         "showbackground": False,
         "gridcolor": "--grid",
         "nticks": 4,
         "showspikes": False,
-    }
-    return {
-        "height": 560,
-        "margin": {"t": 30, "b": 10, "l": 0, "r": 0},
-        "dragmode": "turntable",
-        "scene": {
-            **{f"{k}axis": {**axis, "title": {"text": f"{k}, m"}} for k in "xyz"},
-            "aspectmode": "cube",
-            "camera": {"eye": {"x": 1.3, "y": -1.5, "z": 0.8}},
-        },
-        "sliders": [_slider(t)],
-        "updatemenus": [_play()],
+        "title": {"text": f"{name}, m"},
     }
 
 
-def _slider(t: Float[np.ndarray, " n"]) -> dict[str, Any]:
-    return {
-        "steps": [
-            {
-                "label": f"{time:.3g}",
-                "method": "animate",
-                "args": [[str(k)], {**_AT_ONCE, "frame": _frame(0)}],
-            }
-            for k, time in enumerate(t)
-        ],
-        "x": 0.16,
-        "len": 0.82,
-        "pad": {"t": 10, "b": 10},
-        "currentvalue": {"prefix": "t = ", "suffix": " s"},
-        "ticklen": 0,
-        "minorticklen": 0,
+def _step(k: int, time: float) -> dict[str, Any]:
+    """A step of the slider, which shows a frame at once."""
+    at_once = {
+        "mode": "immediate",
+        "transition": {"duration": 0},
+        "frame": {"duration": 0, "redraw": True},
     }
-
-
-def _play() -> dict[str, Any]:
-    onwards = {**_AT_ONCE, "fromcurrent": True, "frame": _frame(120)}
-    return {
-        "type": "buttons",
-        "x": 0.0,
-        "y": 0.0,
-        "xanchor": "left",
-        "yanchor": "top",
-        "pad": {"t": 30},
-        "showactive": False,
-        "bgcolor": "--card",
-        "buttons": [{"label": "Play", "method": "animate", "args": [None, onwards]}],
-    }
-
-
-_AT_ONCE = {"mode": "immediate", "transition": {"duration": 0}}
-
-
-def _frame(milliseconds: int) -> dict[str, Any]:
-    return {"duration": milliseconds, "redraw": True}
+    return {"label": f"{time:.3g}", "method": "animate", "args": [[str(k)], at_once]}
 
 
 def write_replay(robot: Robot, recording: Recording, folder: Path) -> None:

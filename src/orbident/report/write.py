@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from importlib.resources import files
 from pathlib import Path
 
 import yaml
@@ -24,7 +23,14 @@ from orbident.report.convergence_section import (
     recursion,
 )
 from orbident.report.fit import fits
-from orbident.report.page import NONE, Section, page, short, verdict_of
+from orbident.report.page import (
+    NONE,
+    Section,
+    page,
+    report_text,
+    short,
+    verdict_of,
+)
 from orbident.report.parameter_section import (
     masses,
     parameters,
@@ -55,8 +61,7 @@ def references(result: Result) -> Section:
     """References of the methods that were used."""
     ways = {way for origin in result.origins.values() for way in origin.split("; ")}
     smoothed = any(WORDS[each] in ways for each in SMOOTHED)
-    text = (files("orbident.report") / "template/references.yaml").read_text("utf-8")
-    known = yaml.safe_load(text)
+    known = yaml.safe_load(report_text("references.yaml"))
     words = [known["first"], *known["by_method"].get(result.method, ())]
     if smoothed:
         words.append(known["where_smoothed"])
