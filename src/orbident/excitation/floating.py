@@ -216,7 +216,7 @@ class Craft:
     ) -> NodalMotion:
         """What a motion shows, however it was found."""
         Y, W = self.sets.regressors(q, qd, w)
-        return NodalMotion(self, np.ascontiguousarray(q), qd, dt, Y, W, w, x_WB)
+        return NodalMotion(self, q, qd, dt, Y, W, w, x_WB)
 
     def pull_back(
         self,
@@ -268,7 +268,7 @@ def craft_of(
     floating = _core.Floating(
         robot=core_robot(robot),
         planar=robot.motion == "planar",
-        D_free=np.ascontiguousarray((wheels.A_rw * wheels.free) @ wheels.axes.T),
+        D_free=(wheels.A_rw * wheels.free) @ wheels.axes.T,
         h_rw=wheels.A_rw @ spin,
         h_cm=h_cm,
         x_WB=np.array(initial.attitude),
@@ -280,7 +280,7 @@ def _all_axes(
     X: Float[np.ndarray, "n some m"], axes: tuple[int, ...]
 ) -> Float[np.ndarray, "n 3 m"]:
     if len(axes) == 3:
-        return np.ascontiguousarray(X)
+        return X
     full = np.zeros((X.shape[0], 3, X.shape[2]))
     full[:, axes] = X
     return full

@@ -72,7 +72,7 @@ def core_robot(robot: Robot) -> _core.Robot:
         tree=core_tree(robot),
         theta=np.ascontiguousarray(theta_with_rotors(robot), dtype=float),
         armature=rotors_of(robot).armature,
-        wheel_axis=np.ascontiguousarray(wheels.axes.T),
+        wheel_axis=wheels.axes.T,
         wheel_inertia=wheels.inertia,
     )
 

@@ -45,10 +45,7 @@ def equations_of_motion(
 
     Joint positions `q` are in rad or m, the speeds `v` in base axes.
     """
-    state = np.ascontiguousarray(q), np.ascontiguousarray(v)
-    return Equations(
-        *_core.equations_of_motion(core_robot(robot), *state, processors())
-    )
+    return Equations(*_core.equations_of_motion(core_robot(robot), q, v, processors()))
 
 
 class Motion(NamedTuple):
@@ -90,8 +87,7 @@ def deviations(
     The true `theta` is the robot's and a sum of `directions`, each times an independent
     number of unit variance. Joint positions `q` are in rad or m, speeds in base axes.
     """
-    arrays = (np.ascontiguousarray(x) for x in (directions, q, v))
-    return _core.deviations(core_robot(robot), *arrays, threads=processors())
+    return _core.deviations(core_robot(robot), directions, q, v, threads=processors())
 
 
 def movable(robot: Robot) -> Bool[np.ndarray, " speeds"]:

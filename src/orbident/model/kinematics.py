@@ -55,7 +55,7 @@ class Poses(NamedTuple):
 
 def poses(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Poses:
     """Forward kinematics at the joint positions `q` (rad or m)."""
-    return Poses(*_core.poses(core_tree(robot), np.ascontiguousarray(q), processors()))
+    return Poses(*_core.poses(core_tree(robot), q, processors()))
 
 
 def point_jacobian(
@@ -101,9 +101,8 @@ def momentum_regressors(
     w: Float[np.ndarray, "n 3"],
 ) -> MomentumRegressors:
     """`S`, `P` and `A` at joint states and base rates (rad/s, base axes)."""
-    state = (np.ascontiguousarray(x) for x in (q, qd, w))
     return MomentumRegressors(
-        *_core.momentum(core_tree(robot), *state, threads=processors())
+        *_core.momentum(core_tree(robot), q, qd, w, threads=processors())
     )
 
 
@@ -140,9 +139,7 @@ def first_moments(at: Poses) -> Float[np.ndarray, "n 3 theta"]:
 
 def inertia(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Inertia:
     """The matrices of `robot.theta` at the joint positions `q` (rad or m)."""
-    return Inertia(
-        *_core.inertia(core_robot(robot), np.ascontiguousarray(q), processors())
-    )
+    return Inertia(*_core.inertia(core_robot(robot), q, processors()))
 
 
 def inertia_at(robot: Robot, q: Float[np.ndarray, " joints"]) -> Inertia:
@@ -159,11 +156,8 @@ def carried_inertia(robot: Robot, joint: int) -> Float[np.ndarray, " theta"]:
     at = poses(robot, np.zeros((1, len(robot.joints))))
     by = np.zeros((len(robot.bodies), PER_BODY))
     a = at.R[0, joint + 1] @ robot.joints[joint].axis
-    carries = {joint + 1}
-    for k, each in enumerate(robot.joints):
-        if each.parent in carries:
-            carries.add(k + 1)
-    for i in carries:
+    carried = (carrying_joints(robot, i)[joint] for i in range(len(robot.bodies)))
+    for i in np.flatnonzero([*carried]):
         if robot.joints[joint].kind == "prismatic":
             by[i, 0] = 1.0
             continue

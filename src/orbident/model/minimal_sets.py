@@ -80,8 +80,7 @@ class Regressors(NamedTuple):
 
         Joint positions `q` are in rad or m, base rates `w` in rad/s, base axes.
         """
-        state = (np.ascontiguousarray(x) for x in (q, qd, w))
-        Y, W = _core.regressors(self.core, *state, threads=processors())
+        Y, W = _core.regressors(self.core, q, qd, w, threads=processors())
         return Y[:, self.momentum_axes], W[:, self.velocity_axes]
 
     def momentum_rate(
@@ -95,8 +94,7 @@ class Regressors(NamedTuple):
         The joints are `q`, `qd` and `qdd`; `w` is in rad/s, base axes, and `pi` in kg
         m^2.
         """
-        state = (np.ascontiguousarray(x) for x in (*joints, w, pi))
-        rate = _core.momentum_rate(self.core, *state, threads=processors())
+        rate = _core.momentum_rate(self.core, *joints, w, pi, threads=processors())
         return rate[:, self.momentum_axes]
 
 
@@ -233,10 +231,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
         regressors=Regressors(
             core=_core.MinimalSets(
                 tree=core_tree(robot),
-                theta_of_linear=np.ascontiguousarray(
-                    base.theta_of[:, kept[kept < betas]]
-                ),
-                theta_of_sigma=np.ascontiguousarray(base.theta_of[:, sigma]),
+                theta_of_linear=base.theta_of[:, kept[kept < betas]],
+                theta_of_sigma=base.theta_of[:, sigma],
                 pairs=pairs[kept[kept >= betas] - betas].astype(float),
             ),
             joints=len(robot.joints),

@@ -158,7 +158,7 @@ class _Likelihood:
         y: Float[np.ndarray, " n"],
         names: tuple[str, ...],
     ) -> None:
-        self._t, self._names = np.ascontiguousarray(t), names
+        self._t, self._names = t, names
         # In units of its own size: rounding is the same for metres and radians.
         self._unit = float(y.std())
         self._rows = np.column_stack([(y - y.mean()) / self._unit, np.ones(y.size)])

@@ -155,9 +155,7 @@ def drift(
     rows = np.column_stack([np.polynomial.legendre.legvander(at, DEGREE), x])
     coloured = np.array([*(model.value(name) for name in MARKOV + WALK), 0.0])
     variance = np.full(t.size, model.value("white") ** 2)
-    innovations, S = _core.innovations(
-        np.ascontiguousarray(t), rows, variance, coloured
-    )
+    innovations, S = _core.innovations(t, rows, variance, coloured)
     white = innovations / np.sqrt(S)[:, None]
     # Below the constant's row, the last column is what each polynomial explains.
     R = np.asarray(np.linalg.qr(white, mode="r"))
