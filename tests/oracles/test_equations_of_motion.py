@@ -159,5 +159,5 @@ def test_point_jacobians(cases):
             pin.SE3(np.eye(3), point),
             pin.LOCAL_WORLD_ALIGNED,
         )[:, case.theirs.robot.rows]
-        ours = jacobian(case.robot, case.q, body, point)
+        ours = jacobian(case.robot, case.q, case.robot.bodies[body], point)
         assert_close(ours, J @ case.theirs.T)

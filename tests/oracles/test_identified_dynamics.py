@@ -114,10 +114,10 @@ def test_jacobians(case):
     identified = case.result.dynamics()
     point = np.array([0.3, -0.2, 0.5])
     bodies = case.true.bodies
-    for body in (0, len(bodies) - 1):
+    for body in (bodies[0], bodies[-1]):
         for q in case.q:
             J = jacobian(case.true, q, body, point)
-            assert worst(identified.jacobian(q, bodies[body], point), J) < EXACT
+            assert worst(identified.jacobian(q, body, point), J) < EXACT
 
 
 def test_exported_urdf(case):

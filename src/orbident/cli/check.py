@@ -40,7 +40,7 @@ def check(
 
 def _irregular(robot: Any) -> tuple[str, ...]:
     """Why other verbs refuse the robot."""
-    from orbident.model.regularity import check_regular
+    from orbident.model.equations_of_motion import check_regular
 
     try:
         check_regular(robot)

@@ -32,12 +32,12 @@ def inspect(
     """Show a robot, and what a recording of it can identify."""
     from orbident.cli.identify_tables import budget_lines
     from orbident.estimation.quantities import physical_names
+    from orbident.model.equations_of_motion import check_regular
     from orbident.model.formulas import (
         formulas_of,
         nominal_parameters,
         not_identifiable,
     )
-    from orbident.model.regularity import check_regular
 
     described = oi.load_robot(robot)
     with progress("finding the minimal sets"):

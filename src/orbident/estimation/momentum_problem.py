@@ -27,8 +27,8 @@ from orbident.estimation.linear_fits import (
     rest_std,
 )
 from orbident.model.core_robot import wheels_of
+from orbident.model.equations_of_motion import check_regular
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
-from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, base_clocks, check_seconds, corrections
 from orbident.preprocessing.extent import Extent
 from orbident.preprocessing.origins import RUNNING

@@ -45,10 +45,10 @@ from orbident.model.core_robot import (
     rotor_parts,
     with_armatures,
 )
+from orbident.model.equations_of_motion import IndefiniteError
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
-from orbident.model.regularity import IndefiniteError
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.extent import RecordedMotion
 from orbident.robot.description import NO_ROTOR, Friction, Robot

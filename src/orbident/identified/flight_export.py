@@ -31,9 +31,9 @@ from orbident.estimation.recursive.history import Detector, filter_history
 from orbident.estimation.result import Result
 from orbident.files.folder_replacing import replacing_files
 from orbident.identified.generated_code import template_text
+from orbident.model.equations_of_motion import check_regular
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import base_clocks, corrections
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened

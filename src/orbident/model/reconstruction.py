@@ -14,10 +14,11 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.names import joined, suggestion
+from orbident.files.names import joined
 from orbident.model.core_robot import friction_torques, lacking_rotors, rotors_of
 from orbident.model.equations_of_motion import (
     Wrench,
+    check_definite,
     deviations,
     equations_of_motion,
     generalised_forces,
@@ -28,7 +29,6 @@ from orbident.model.equations_of_motion import (
 )
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.regularity import check_definite
 from orbident.robot.description import Robot
 
 TILT = [3, 4]
@@ -95,8 +95,7 @@ class Dynamics:
         Raises:
             InputError: `q` or `v` has not the robot's size, or leaves its plane.
         """
-        q, v = self._state(q, v)
-        return self._shown(self._equations(q, v)[1], rows=1)
+        return self.equations(q, v)[1]
 
     def equations(
         self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
@@ -165,14 +164,7 @@ class Dynamics:
         """
         q = self._sized(q, "q", self._joints, states=False)
         point = self._sized(point, "point", 3, states=False)
-        bodies = self.robot.bodies
-        if body not in bodies:
-            raise InputError(
-                f"{self.robot.name}: no body '{body}'; "
-                + suggestion(body, bodies, "bodies")
-            )
-        J = jacobian(self.robot, q, bodies.index(body), point)
-        return self._shown(J, rows=1)
+        return self._shown(jacobian(self.robot, q, body, point), rows=1)
 
     def generalised_forces(
         self,

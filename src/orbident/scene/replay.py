@@ -17,8 +17,8 @@ from orbident.estimation.result import Result
 from orbident.excitation.table_points import table_points
 from orbident.identified.prediction import Prediction, predict
 from orbident.model.core_robot import wheels_of
+from orbident.model.equations_of_motion import check_regular
 from orbident.model.kinematics import JointState, inertia, poses
-from orbident.model.regularity import check_regular
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.run_folder import load_result
-from orbident.model.regularity import check_regular
+from orbident.model.equations_of_motion import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot

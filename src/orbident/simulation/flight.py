@@ -9,9 +9,8 @@ from jaxtyping import Bool, Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
-from orbident.model.equations_of_motion import movable
+from orbident.model.equations_of_motion import check_regular, movable
 from orbident.model.kinematics import springs_on
-from orbident.model.regularity import check_regular
 from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com

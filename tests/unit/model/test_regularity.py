@@ -5,7 +5,7 @@ import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.errors import InputError
-from orbident.model.regularity import check_regular
+from orbident.model.equations_of_motion import check_regular
 from orbident.robot.description import Passive, Robot
 from orbident.robot.robot_file import bundled_robots, load_robot
 

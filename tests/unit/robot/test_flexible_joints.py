@@ -8,8 +8,8 @@ from urdf_texts import ARM, joint, link, robot
 from orbident.errors import InputError
 from orbident.excitation.conditions import limits_of
 from orbident.identified.exported_robot import exported_urdf
+from orbident.model.equations_of_motion import check_regular
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.regularity import check_regular
 from orbident.robot.description import Passive, Structure
 from orbident.robot.robot_file import load_robot, write_robot
 
