@@ -11,8 +11,13 @@ from random_robots import DUAL_ARM, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import Hold
-from orbident.simulation.flight import WrenchPoint, commanded, integrate, vehicle_of
+from orbident.simulation.flight import (
+    Hold,
+    WrenchPoint,
+    commanded,
+    integrate,
+    vehicle_of,
+)
 from orbident.simulation.free_floating import integrate_attitude, rate_law, step_nodes
 from orbident.simulation.free_flying import free_flying
 

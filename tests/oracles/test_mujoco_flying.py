@@ -27,9 +27,9 @@ from random_robots import (
 )
 
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import JointPD, Pulse, WheelSpeed
-from orbident.simulation.flight import FlyingState, standing
+from orbident.simulation.flight import FlyingState, JointPD, WheelSpeed, standing
 from orbident.simulation.free_flying import FreeFlying, free_flying
+from orbident.simulation.outside import Pulse
 
 END = 2.0
 STEPS = (0.04, 0.02, 0.01)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.campaigns.seeds import SeedRuns
 from orbident.errors import InputError
-from orbident.simulation.control_laws import thrust
+from orbident.simulation.outside import thrust
 from orbident.studies import paper_tables
 from orbident.studies.paper_tables import planar_robot, planar_trajectory
 from orbident.studies.planar import (

@@ -44,10 +44,10 @@ from orbident.preprocessing.smoothing import smooth
 from orbident.preprocessing.wrenches import Wrenches, recorded_wrenches
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import thrust_columns
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import Truth, measure_truth, truth_of, truth_of_flight
+from orbident.simulation.outside import thrust_columns
 from orbident.simulation.simulate import float_along, fly_along
 from orbident.threads import one_blas_thread
 from orbident.trajectories.environment import Environment

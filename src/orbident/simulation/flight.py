@@ -1,33 +1,21 @@
-"""A free-flying motion: where it starts, its steps in the core, and what it was."""
+"""A free-flying motion: where it starts, what commands it, its steps, what it was.
+
+What a robot is commanded to do are data that the core evaluates.
+"""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident import _core
-from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
-from orbident.model.equations_of_motion import check_regular, movable
-from orbident.model.kinematics import springs_on
+from orbident.model.equations_of_motion import movable
+from orbident.model.kinematics import JointState, springs_on
 from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
-from orbident.robot.parameters import inertia_about_com
-from orbident.simulation.control_laws import (
-    AttitudeHold,
-    ComputedTorque,
-    Driven,
-    JointLaw,
-    JointPD,
-    OpenLoop,
-    Pulse,
-    WheelLaw,
-    WheelLimits,
-    WheelSpeed,
-    check_pulses,
-)
-from orbident.simulation.free_floating import BaseState, JointMotion, check_plane
+from orbident.simulation.free_floating import BaseState, JointMotion
 
 
 class FlyingState(NamedTuple):
@@ -95,43 +83,118 @@ class FreeFlying(NamedTuple):
         return FlyingState(base, self.q[k], self.qd[k], self.r_S[k], self.q_rw[k])
 
 
-ROUNDING = 1e-12
-"""Relative; a base that is all wheels has inertia zero but for this."""
+class Hold(NamedTuple):
+    """Joints that are commanded to stay."""
+
+    q: Float[np.ndarray, " joints"]
+
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
+        """The same positions at all times, without rates and accelerations."""
+        q = np.tile(self.q, (t.size, 1))
+        return q, np.zeros_like(q), np.zeros_like(q)
 
 
-def check_flight(
-    robot: Robot,
-    t: Float[np.ndarray, " n"],
-    start: FlyingState,
-    pulses: Sequence[Pulse],
-) -> None:
-    """Refuse what cannot be integrated.
+class JointPD(NamedTuple):
+    """`tau = Kp (q_d - q) + Kd (qd_d - qd)`, N m or N."""
 
-    Raises:
-        InputError: a planar robot starts out of its plane, the mass matrix is singular,
-            the wheels are heavier than the base, or a pulse cannot be flown.
+    Kp: Float[np.ndarray, " joints"]
+    Kd: Float[np.ndarray, " joints"]
+
+
+class Driven(NamedTuple):
+    """The joints do exactly as commanded, whatever torque that takes."""
+
+
+class WheelSpeed(NamedTuple):
+    """`tau_rw = k (qd_rw,d - qd_rw)`: brings each wheel to a speed."""
+
+    k: Float[np.ndarray, " wheels"]
+    """N m s/rad."""
+    speed: Float[np.ndarray, " wheels"]
+    """Relative to the base, rad/s."""
+
+
+class AttitudeHold(NamedTuple):
+    """The wheels turn the base back to an attitude: `n = -kp e - kd w`.
+
+    `e` is twice the vector part of the quaternion from the wanted attitude, base
+    axes; a rotor that is driven by `tau_rw` turns the base by `-a tau_rw`.
     """
-    if robot.motion == "planar":
-        check_plane(start.base)
-    check_regular(robot)
-    _check_wheels(robot)
-    check_pulses(robot, pulses, float(t[0]), float(t[-1]))
+
+    kp: float
+    """N m/rad."""
+    kd: float
+    """N m s/rad."""
+    x_WD: Float[np.ndarray, "4"]
+    """The attitude to hold, unit quaternion, scalar last."""
+    share: Float[np.ndarray, "wheels 3"]
+    """The wheels' part in a moment on the base: the pseudo-inverse of their axes."""
 
 
-def _check_wheels(robot: Robot) -> None:
-    """What the base is without its wheels must still be a body."""
-    I = inertia_about_com(robot.theta[0])
-    largest = np.linalg.eigvalsh(I).max()
-    for wheel in robot.wheels:
-        I = I - wheel.inertia * np.outer(wheel.axis, wheel.axis)
-    free = I[2:, 2:] if robot.motion == "planar" else I
-    smallest = np.linalg.eigvalsh(free).min()
-    if smallest < -ROUNDING * largest:
-        raise InputError(
-            f"{robot.name}: without its wheels the base has inertia {smallest:g} "
-            "kg m^2 about some axis; a wheel's inertia is counted in the base: give "
-            "the base more, or the wheels less"
-        )
+class OpenLoop(NamedTuple):
+    """Torques that depend on time alone."""
+
+    torque: Callable[[Float[np.ndarray, " n"]], Float[np.ndarray, "n actuators"]]
+    """Torque at given times (s): of each joint (N m or N), or on each rotor (N m)."""
+
+
+@runtime_checkable
+class AttitudeMotion(Protocol):
+    """What the base is commanded to do: any function of time."""
+
+    def at(
+        self, t: Float[np.ndarray, " n"]
+    ) -> tuple[
+        Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]
+    ]:
+        """Attitude `x_WD`; its rate and acceleration in D's axes, rad and s."""
+        ...
+
+
+class ComputedTorque(NamedTuple):
+    """The torques for which a model says `y'' = y_d'' + kd e' + kp e`, for all of y.
+
+    `y` are the joints and the attitude of the base; the wheels' accelerations are what
+    this takes, and the system CM is left alone. One such law is the law of the joints
+    and of the wheels.
+    """
+
+    model: Robot
+    """Its `theta` is what the controller believes."""
+    base: AttitudeMotion
+    kp: float
+    """1/s^2."""
+    kd: float
+    """1/s."""
+
+
+JointLaw = JointPD | Driven | OpenLoop | ComputedTorque
+WheelLaw = WheelSpeed | AttitudeHold | OpenLoop | ComputedTorque
+
+
+class WheelLimits(NamedTuple):
+    """The greatest torques and speeds of motors; infinite where there is no limit.
+
+    A motor gives at most its greatest torque, and none that drives the wheel beyond its
+    top speed: over the last 2 % of that speed the torque falls to zero.
+    """
+
+    torque: Float[np.ndarray, " wheels"]
+    """N m."""
+    speed: Float[np.ndarray, " wheels"]
+    """Relative to the base, rad/s."""
+
+
+def attitude_hold(
+    robot: Robot, kp: float, kd: float, attitude: Float[np.ndarray, "4"]
+) -> AttitudeHold:
+    """The law for a robot's wheels, about the axes that they span.
+
+    `kp` is in N m/rad and `kd` in N m s/rad; the attitude is a unit quaternion, scalar
+    last.
+    """
+    axes = np.reshape([wheel.axis for wheel in robot.wheels], (-1, 3)).T
+    return AttitudeHold(kp, kd, attitude, np.linalg.pinv(axes))
 
 
 STEPS = 4096

@@ -8,31 +8,35 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import SHORTEST
+from orbident.model.equations_of_motion import check_regular
 from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
 from orbident.robot.joint_schema import require_measured
-from orbident.simulation.control_laws import (
-    Driven,
-    JointLaw,
-    Pulse,
-    WheelLaw,
-    WheelLimits,
-    thrust,
-    true_pulses,
-)
+from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.flight import (
     AT_S,
+    Driven,
     FlightStates,
     FlyingState,
     FreeFlying,
-    check_flight,
+    JointLaw,
+    WheelLaw,
+    WheelLimits,
     commanded,
     integrate,
     vehicle_of,
 )
-from orbident.simulation.free_floating import JointMotion
-from orbident.simulation.outside import Path, Wrenches, outside_of
+from orbident.simulation.free_floating import JointMotion, check_plane
+from orbident.simulation.outside import (
+    Path,
+    Pulse,
+    Wrenches,
+    check_pulses,
+    outside_of,
+    thrust,
+    true_pulses,
+)
 from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19
@@ -83,7 +87,7 @@ def free_flying(
     pulses = (*pulses, *true_pulses(environment))
     if not isinstance(joints, Driven):
         require_measured(robot, "control of joints")
-    check_flight(robot, t, start, pulses)
+    _check_flight(robot, t, start, pulses)
     outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
     edges += [edge for edge in outside.edges if t[0] < edge < t[-1]]
@@ -120,6 +124,45 @@ def free_flying(
     flown = _flown(t, solved.seen, solved.thrust, error, parts * (breaks.size - 1))
     pull = rotate_back(quaternion_matrix(flown.attitude), outside.pull_at_S(flown.r_S))
     return flown._replace(f_S=flown.f_S - pull)
+
+
+ROUNDING = 1e-12
+"""Relative; a base that is all wheels has inertia zero but for this."""
+
+
+def _check_flight(
+    robot: Robot,
+    t: Float[np.ndarray, " n"],
+    start: FlyingState,
+    pulses: Sequence[Pulse],
+) -> None:
+    """Refuse what cannot be integrated.
+
+    Raises:
+        InputError: a planar robot starts out of its plane, the mass matrix is singular,
+            the wheels are heavier than the base, or a pulse cannot be flown.
+    """
+    if robot.motion == "planar":
+        check_plane(start.base)
+    check_regular(robot)
+    _check_wheels(robot)
+    check_pulses(robot, pulses, float(t[0]), float(t[-1]))
+
+
+def _check_wheels(robot: Robot) -> None:
+    """What the base is without its wheels must still be a body."""
+    I = inertia_about_com(robot.theta[0])
+    largest = np.linalg.eigvalsh(I).max()
+    for wheel in robot.wheels:
+        I = I - wheel.inertia * np.outer(wheel.axis, wheel.axis)
+    free = I[2:, 2:] if robot.motion == "planar" else I
+    smallest = np.linalg.eigvalsh(free).min()
+    if smallest < -ROUNDING * largest:
+        raise InputError(
+            f"{robot.name}: without its wheels the base has inertia {smallest:g} "
+            "kg m^2 about some axis; a wheel's inertia is counted in the base: give "
+            "the base more, or the wheels less"
+        )
 
 
 class StateHistory(NamedTuple):

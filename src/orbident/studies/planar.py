@@ -16,18 +16,20 @@ from orbident.identified.validate import SCORED, Validation, scored
 from orbident.model.kinematics import JointState
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import (
+from orbident.simulation.flight import (
+    FlyingState,
+    FreeFlying,
     Hold,
     JointPD,
-    Pulse,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
+    standing,
 )
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, JointMotion
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
+from orbident.simulation.outside import Pulse
 from orbident.studies import paper_tables
 from orbident.studies.paper_method import (
     Filters,

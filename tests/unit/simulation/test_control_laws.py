@@ -8,8 +8,10 @@ from random_robots import random_quaternion, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot, Wheel
-from orbident.simulation.control_laws import (
+from orbident.simulation.flight import (
     ComputedTorque,
+    FlyingState,
+    FreeFlying,
     Hold,
     JointLaw,
     JointPD,
@@ -18,7 +20,6 @@ from orbident.simulation.control_laws import (
     WheelSpeed,
     attitude_hold,
 )
-from orbident.simulation.flight import FlyingState, FreeFlying
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies.control import Slew

@@ -10,19 +10,20 @@ from orbident.errors import InputError
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.control_laws import (
+from orbident.simulation.flight import (
     ComputedTorque,
+    FreeFlying,
     Hold,
     JointPD,
     OpenLoop,
-    Pulse,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
+    standing,
 )
-from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
+from orbident.simulation.outside import Pulse
 from orbident.trajectories.environment import Environment
 
 CEPHEUS = load_robot("cepheus-like")

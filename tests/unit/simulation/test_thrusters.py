@@ -6,7 +6,7 @@ from random_robots import random_robot
 
 from orbident.errors import InputError
 from orbident.robot.description import Thruster
-from orbident.simulation.control_laws import Pulse, check_pulses, thrust
+from orbident.simulation.outside import Pulse, check_pulses, thrust
 
 X, Y, Z = np.eye(3)
 ROBOT = replace(

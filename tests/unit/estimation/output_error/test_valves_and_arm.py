@@ -10,11 +10,11 @@ from orbident.robot.description import Thruster
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.robot.tolerances import Tolerances
-from orbident.simulation.control_laws import JointPD, Pulse
-from orbident.simulation.flight import standing
+from orbident.simulation.flight import JointPD, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
+from orbident.simulation.outside import Pulse
 
 FORCE, CLOCK, PULSE = 0.08, 0.15, -0.02
 """N as recorded, and s."""
