@@ -39,3 +39,10 @@ def noisiest_std(samples: Float[np.ndarray, "samples axes"]) -> float:
     It is zero where there are less than five samples.
     """
     return float(white_std(samples).max()) if len(samples) >= 5 else 0.0
+
+
+def rms_of(vectors: Float[np.ndarray, "n axes"]) -> float:
+    """The root mean square of the vectors' lengths; NaN where there are none."""
+    if not len(vectors):
+        return np.nan
+    return float(np.sqrt(np.mean(np.sum(vectors**2, axis=1))))

@@ -11,7 +11,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -157,15 +157,13 @@ def _manifest(folder: Path) -> dict[str, Any]:
             f"{folder}: is not a campaign's folder; give one that 'orbident campaign "
             "SPEC -o DIR' wrote"
         )
-    try:
-        document = json.loads(read_text(path))
+    text = read_text(path)
+    with suppress(ValueError, KeyError, TypeError):
+        document = json.loads(text)
         if document["schema"] == _SCHEMA and all(
             isinstance(document[key], dict) for key in ("versions", "sha256")
         ):
             return document
-    except (ValueError, KeyError, TypeError) as error:
-        if isinstance(error, InputError):
-            raise
     raise InputError(f"{path}: is damaged; begin the campaign in another folder")
 
 

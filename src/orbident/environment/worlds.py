@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.gaussian import rms_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.orbits.earth import MU, R_E
@@ -85,14 +86,10 @@ def scale_of(
         w: of the base, rad/s.
         v_S: of the feature point, m/s; None where it is not known.
     """
-    h_base = robot.mass * radius_of_gyration(robot) ** 2 * _rms(w)
-    h = np.hypot(_rms(qd_rw @ wheels_of(robot).A_rw.T), h_base)
-    v = np.nan if v_S is None else _rms(v_S)
+    h_base = robot.mass * radius_of_gyration(robot) ** 2 * rms_of(w)
+    h = np.hypot(rms_of(qd_rw @ wheels_of(robot).A_rw.T), h_base)
+    v = np.nan if v_S is None else rms_of(v_S)
     return Scale(float(t[0]), float(t[-1] - t[0]), float(h), v)
-
-
-def _rms(x: Float[np.ndarray, "n axes"]) -> float:
-    return float(np.sqrt(np.mean(np.sum(x**2, axis=1))))
 
 
 def world_of(robot: Robot) -> str:

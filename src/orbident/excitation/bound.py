@@ -33,6 +33,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
 from orbident.estimation.solution import Unknowns
+from orbident.gaussian import rms_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -109,7 +110,7 @@ def bound_of(
     rest = None
     if initial_momentum == "at-rest":
         h_rw = motion.qd_rw @ wheels_of(robot).A_rw.T
-        rest = rest_std(robot, float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1)))))
+        rest = rest_std(robot, rms_of(h_rw))
     prior = prior_of(robot, sets, problem.declared, outside, rest).extended(
         np.array([each.std for each in problem.expected])
     )

@@ -39,6 +39,7 @@ from orbident.excitation.floating import (
 from orbident.excitation.instrument_changes import InstrumentChanges
 from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
 from orbident.excitation.torque_changes import TorqueChanges
+from orbident.gaussian import rms_of
 from orbident.model.dependencies import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -166,8 +167,7 @@ class SensedChanges:
         self.h_std = np.full(len(h), np.inf)
         if at_rest:
             h_rw = motion.qd_rw @ motion.craft.wheels.A_rw.T
-            rms = float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1))))
-            self.h_std = rest_std(motion.craft.robot, rms)[list(h)]
+            self.h_std = rest_std(motion.craft.robot, rms_of(h_rw))[list(h)]
         # What is known exactly is no unknown.
         if self.h_std.any():
             change.append(R_T)

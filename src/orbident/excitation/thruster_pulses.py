@@ -263,14 +263,6 @@ def _trajectory(
         if each.name in firing
     }
     environment = Environment.model_validate({"thrusters": thrusters})
-    none = np.zeros((0, 3))
-    return Trajectory(
-        given.duration,
-        (),
-        np.zeros((0, 0)),
-        np.zeros((0, 0)),
-        none,
-        none,
-        given.initial,
-        environment if thrusters else None,
-    )
+    acting = environment if thrusters else None
+    start, none = given.initial, np.zeros((0, 0))
+    return Trajectory(given.duration, (), none, none, initial=start, environment=acting)

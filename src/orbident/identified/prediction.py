@@ -199,11 +199,8 @@ def _check_sizes(result: Result, sets: MinimalSets) -> None:
 
 def _check_complete(result: Result) -> None:
     for name, estimates in (("pi", result.pi), ("phi", result.phi)):
-        unknown = [
-            parameter
-            for parameter, value in zip(estimates.names, estimates.values, strict=True)
-            if not np.isfinite(value)
-        ]
+        missing = np.flatnonzero(~np.isfinite(estimates.values))
+        unknown = [estimates.names[k] for k in missing]
         if unknown:
             raise InputError(
                 f"the result does not determine {joined(unknown)}, so {name} cannot "

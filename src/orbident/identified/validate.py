@@ -28,7 +28,7 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.estimation.result import Result
 from orbident.files.json_parts import JsonPart, NullableNumber
-from orbident.gaussian import NINETY_FIVE
+from orbident.gaussian import NINETY_FIVE, rms_of
 from orbident.identified.prediction import (
     WINDOW,
     PoseErrors,
@@ -257,8 +257,8 @@ def scored(result: Result, recording: Recording) -> Validation:
             prediction.measured.v_S[seen][:, axes_v],
         ),
     }
-    rms = {name: _rms(predicted - true) for name, (predicted, true) in pairs.items()}
-    size = {name: _rms(true - true.mean(axis=0)) for name, (_, true) in pairs.items()}
+    rms = {name: rms_of(predicted - true) for name, (predicted, true) in pairs.items()}
+    size = {name: rms_of(true - true.mean(axis=0)) for name, (_, true) in pairs.items()}
     own, by_nominal = dict[str, NullableNumber](), dict[str, NullableNumber]()
     recording = recording.with_joints_of(result.robot)
     if joints_with_torques(result.robot, recording):
@@ -272,7 +272,7 @@ def scored(result: Result, recording: Recording) -> Validation:
         nrmse={name: rms[name] / size[name] if size[name] else np.nan for name in rms},
         rms=rms,
         samples=prediction.t.size,
-        std={name: _rms(std) for name, std in stds.items()},
+        std={name: rms_of(std) for name, std in stds.items()},
         inside={
             name: _inside(predicted - true, stds[name])
             for name, (predicted, true) in pairs.items()
@@ -313,7 +313,7 @@ def _of_torques(
         some = np.isfinite(shown)
         size = np.std(shown[some]) if some.any() else 0.0
         scale = 1 + errors.get(f"joint.{name}.torque_scale", 0.0)
-        off = _rms((scale * tau[:, [k]] - shown[:, None])[some])
+        off = rms_of((scale * tau[:, [k]] - shown[:, None])[some])
         found[column] = off / float(size) if size else np.nan
     return found
 
@@ -324,7 +324,3 @@ def _inside(
     if not (len(errors) and np.isfinite(std).all()):
         return np.nan
     return float(np.mean(np.abs(errors) <= NINETY_FIVE * std))
-
-
-def _rms(errors: Float[np.ndarray, "n axes"]) -> float:
-    return float(np.sqrt(np.mean(np.sum(errors**2, axis=1)))) if len(errors) else np.nan

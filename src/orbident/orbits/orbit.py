@@ -324,8 +324,7 @@ def _arc(orbit: Orbit, start: float, end: float) -> Arc:
     grid = STEP * np.arange(np.floor(start / STEP) - 1, np.ceil(end / STEP) + 2)
     if isinstance(orbit.motion, Ephemeris):
         t, x = orbit.motion.t, orbit.motion.states
-        grid = np.clip(grid, t[0], t[-1])
-        grid = np.unique(grid)
+        grid = np.unique(np.clip(grid, t[0], t[-1]))
     else:
         t, x = grid, orbit.motion.states(grid)
     from scipy.interpolate import CubicHermiteSpline

@@ -138,16 +138,18 @@ class OpenLoop(NamedTuple):
     """Torque at given times (s): of each joint (N m or N), or on each rotor (N m)."""
 
 
+AttitudeState = tuple[
+    Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]
+]
+"""Attitude `x_WD`; its rate and acceleration in D's axes, rad and s."""
+
+
 @runtime_checkable
 class AttitudeMotion(Protocol):
     """What the base is commanded to do: any function of time."""
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]
-    ]:
-        """Attitude `x_WD`; its rate and acceleration in D's axes, rad and s."""
+    def at(self, t: Float[np.ndarray, " n"]) -> AttitudeState:
+        """The attitude at the times `t`, s, and how it changes."""
         ...
 
 

@@ -19,6 +19,7 @@ from orbident.choices import StudyNoise
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
+from orbident.gaussian import rms_of
 from orbident.model.rotations import rotation_angle
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -28,7 +29,7 @@ from orbident.robot.parameters import (
     from_mass_com_inertia,
     inertia_about_com,
 )
-from orbident.simulation.flight import ComputedTorque, standing
+from orbident.simulation.flight import AttitudeState, ComputedTorque, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import Truth, measure_truth, truth_of
@@ -50,11 +51,7 @@ class Slew(NamedTuple):
     duration: float
     """s."""
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]
-    ]:
+    def at(self, t: Float[np.ndarray, " n"]) -> AttitudeState:
         """Attitude `x_WD`, rate and acceleration in D's axes, rad and s."""
         s = np.clip(t / self.duration, 0.0, 1.0)[:, None]
         turned = self.angle * s**3 * (10 - 15 * s + 6 * s**2)
@@ -198,10 +195,9 @@ def tracked(robot: Robot, model: Robot) -> Tracked:
     """The errors with which the robot tracks the task, by torques from a model."""
     initial = spatial_trajectory(robot).initial
     joints = len(robot.joints)
-    none, rest = np.zeros((joints, 0)), np.zeros((joints, 3))
-    there = rest.copy()
+    none, there = np.zeros((joints, 0)), np.zeros((joints, 3))
     there[:, 0] = REACH
-    task = Trajectory(DURATION, robot.joint_names, none, none, rest, there)
+    task = Trajectory(DURATION, robot.joint_names, none, none, end=there)
     slew = Slew(initial.attitude, np.ones(3) / np.sqrt(3), SLEW, DURATION)
     law = ComputedTorque(model, slew, KP, KD)
     still = {"angular_velocity": np.zeros(3), "velocity": np.zeros(3)}
@@ -216,8 +212,4 @@ def tracked(robot: Robot, model: Robot) -> Tracked:
     )
     wanted, _, _ = task.at(flight.t)
     turned = rotation_angle(slew.at(flight.t)[0], flight.attitude)
-    return Tracked(_rms(flight.q - wanted), _rms(turned[:, None]))
-
-
-def _rms(errors: Float[np.ndarray, "n k"]) -> float:
-    return float(np.sqrt(np.mean(np.sum(errors**2, axis=1))))
+    return Tracked(rms_of(flight.q - wanted), rms_of(turned[:, None]))
