@@ -18,11 +18,11 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.comparison import compare
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.paper_bases import paper_basis, planar_columns
 from orbident.model.reconstruction import reconstructed
 from orbident.robot.description import GearedRotor, Joint, Robot, Structure, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors
+from orbident.studies.paper_tables import paper_basis, planar_columns
 
 PUBLISHED = np.array([62.5, 20.83, 0.0, 0.0, 1241.67, 43.75, 156.25, 72.9167])
 """In the order of the paper's A.4, kg m^2."""

@@ -9,13 +9,13 @@ from random_robots import random_planar_robot
 
 from orbident.errors import InputError
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
-from orbident.model.paper_bases import (
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.studies.paper_tables import (
     paper_basis,
     planar_columns,
     spatial_columns,
 )
-from orbident.robot.description import Robot
-from orbident.robot.robot_file import load_robot
 
 TABLE_4_PI = np.array(
     [

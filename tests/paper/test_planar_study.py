@@ -13,11 +13,11 @@ from orbident.simulation.outside import thrust
 from orbident.studies import paper_tables
 from orbident.studies.paper_tables import planar_robot, planar_trajectory
 from orbident.studies.planar import (
+    SWING,
     Flights,
     burn_pulses,
     fly_planar,
     measured_record,
-    validation_command,
 )
 from orbident.studies.run_planar import PlanarStudy, run_planar, write_figures
 
@@ -58,7 +58,7 @@ def test_all_momentum_is_zero(flights: Flights):
 def test_the_arm_follows_but_not_ideally(flights: Flights):
     for flight, command in (
         (flights.identification, TRAJECTORY),
-        (flights.validation, validation_command()),
+        (flights.validation, SWING),
     ):
         error = np.abs(flight.q - command.at(flight.t)[0]).max(axis=0)
         assert (error > 2e-3).all()

@@ -229,20 +229,18 @@ def parts_of_base(
 
 
 def _wheel_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> WheelBody:
-    theta = np.zeros(PER_BODY) if joint is None else _of_links(robot, joint)
-    # What a URDF says of a wheel need not be possible.
-    if joint is not None and theta[MASS] > 0:
-        faults = nonphysical(wheel.name, theta[MASS], inertia_about_com(theta))
-        if not faults:
-            return WheelBody(joint.root, joint.p, theta)
-    m = robot.theta[0, MASS]
-    at_com = robot.theta[0, FIRST_MOMENT] / m if m > 0 else np.zeros(3)
     ball = from_mass_com_inertia(
         LIGHT * robot.mass, np.zeros(3), wheel.inertia * np.eye(3)
     )
     if joint is None:
+        m = robot.theta[0, MASS]
+        at_com = robot.theta[0, FIRST_MOMENT] / m if m > 0 else np.zeros(3)
         return WheelBody(f"{wheel.name}_rotor", at_com, ball)
-    return WheelBody(joint.root, joint.p, ball)
+    theta = _of_links(robot, joint)
+    m = theta[MASS]
+    # What a URDF says of a wheel need not be possible.
+    possible = m > 0 and not nonphysical(wheel.name, m, inertia_about_com(theta))
+    return WheelBody(joint.root, joint.p, theta if possible else ball)
 
 
 def _of_links(robot: Robot, joint: WheelJoint) -> Float[np.ndarray, "10"]:

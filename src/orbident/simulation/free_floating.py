@@ -55,23 +55,6 @@ def step_nodes(t: Float[np.ndarray, " n"], substeps: int) -> Float[np.ndarray, "
     return np.append(inner.ravel(), t[-1])
 
 
-def integrate_attitude(
-    law: RateLaw,
-    h_cm: Float[np.ndarray, "nodes 3"],
-    x_WB: Float[np.ndarray, "4"],
-    t: Float[np.ndarray, " n"],
-    substeps: int,
-) -> tuple[Float[np.ndarray, "n 4"], float]:
-    """The base's quaternion at the samples, and the estimate of its largest error, rad.
-
-    The law and `h_cm`, about the system CM, inertial axes, are at the `step_nodes` of
-    the sample times, s. Steps of RK4 from one sample to the next are an even number.
-    """
-    x, apart = _core.attitudes(law.E, law.b, h_cm, x_WB, t, substeps)
-    # Richardson: halving the step of RK4 divides its error by 16.
-    return x, apart / 15
-
-
 class AttitudeHistory(NamedTuple):
     """The attitude at the samples, and how good it is."""
 
@@ -103,7 +86,9 @@ def float_attitude(
     while True:
         nodes = step_nodes(t, substeps)
         law, momentum = law_at(nodes), np.tile(h_cm, (nodes.size, 1))
-        x, error = integrate_attitude(law, momentum, x_WB, t, substeps)
+        x, apart = _core.attitudes(law.E, law.b, momentum, x_WB, t, substeps)
+        # Richardson: halving the step of RK4 divides its error by 16.
+        error = apart / 15
         if error <= tolerance:
             at_samples = RateLaw(*(part[:: 2 * substeps] for part in law))
             return AttitudeHistory(x, at_samples, error, substeps)

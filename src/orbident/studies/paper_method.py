@@ -17,13 +17,13 @@ from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.triangular import condition_numbers
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.paper_bases import Columns, PaperBasis, paper_basis
 from orbident.preprocessing.integrals import integrate_gyro, velocity_from_accelerometer
 from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
 from orbident.preprocessing.rates import spline_rates
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
+from orbident.studies.paper_tables import Columns, PaperBasis, paper_basis
 from orbident.trajectories.trajectory import InitialState
 
 Signals = dict[str, Float[np.ndarray, " n"]]

@@ -72,12 +72,10 @@ class Sines(NamedTuple):
         return sines, rate * cosines, -(rate**2) * sines
 
 
-def validation_command() -> Sines:
-    """Eq. 47."""
-    return Sines(
-        np.array(paper_tables.VALIDATION_AMPLITUDES),
-        period=paper_tables.VALIDATION_DURATION,
-    )
+SWING = Sines(
+    np.array(paper_tables.VALIDATION_AMPLITUDES), paper_tables.VALIDATION_DURATION
+)
+"""Eq. 47: how the joints swing in the validation."""
 
 
 def burn_pulses(robot: Robot) -> tuple[Pulse, ...]:
@@ -151,18 +149,17 @@ class Flights(NamedTuple):
 
 def fly_planar(robot: Robot, trajectory: Trajectory) -> Flights:
     """All flights of Section 5."""
-    swing = validation_command()
     leading = _times(-LEAD_IN, 0.0)
-    q_d, _, _ = swing.at(leading[:1])
+    q_d, _, _ = SWING.at(leading[:1])
     ready = _spun_up(robot, np.zeros(len(robot.joints)), yaw=0.0)
     again = _spun_up(robot, q_d[0], yaw=1.0)
-    led_in = _following(robot, leading, again, swing).state(-1)
+    led_in = _following(robot, leading, again, SWING).state(-1)
     return Flights(
         identification=_following(
             robot, _times(0.0, trajectory.duration), ready, trajectory
         ),
         burn=_burn(robot),
-        validation=_following(robot, _times(0.0, swing.period), led_in, swing),
+        validation=_following(robot, _times(0.0, SWING.period), led_in, SWING),
     )
 
 

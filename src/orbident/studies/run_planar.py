@@ -19,7 +19,6 @@ from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import nulled
 from orbident.identified.prediction import predict
 from orbident.identified.validate import SCORED, Validation
-from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_blocks
@@ -185,7 +184,7 @@ def run_planar(
     robot = planar_robot()
     trajectory = planar_trajectory(robot)
     flights = fly_planar(robot, trajectory)
-    table = PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1))
+    table = PaperParameters.of(robot, paper_tables.planar_columns())
     filters = PaperFilters(Filters(), Filters())
     if noise == "none":
         runs, first = ONE_RUN, run_ideal(robot, flights, method)

@@ -20,7 +20,6 @@ from orbident.estimation.result import Result
 from orbident.estimation.solve import solve
 from orbident.files.json_parts import nulled
 from orbident.model.kinematics import JointState, inertia_at
-from orbident.model.paper_bases import planar_columns
 from orbident.model.rotations import UNTURNED
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
@@ -300,7 +299,7 @@ def run_table(runs: SeedRuns = ONE_RUN) -> TableStudy:
     started = time.perf_counter()
     robot = table_robot()
     motions = table_motions(robot)
-    table = PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1))
+    table = PaperParameters.of(robot, paper_tables.planar_columns())
     noisy = _NoisyTable(robot, motions, table, Filters())
     first = noisy.run(runs.first)
     series = Series(noisy.run, runs.numbers, noisy.quantities_of, (first,))

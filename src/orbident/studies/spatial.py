@@ -21,12 +21,6 @@ from orbident.excitation.criterion import Basis
 from orbident.excitation.floating import spun_up
 from orbident.files.json_parts import nulled
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.paper_bases import (
-    Columns,
-    paper_basis,
-    planar_columns,
-    spatial_columns,
-)
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -41,8 +35,12 @@ from orbident.studies.paper_method import (
     paper_method,
 )
 from orbident.studies.paper_tables import (
+    Columns,
     PaperRow,
+    paper_basis,
+    planar_columns,
     planar_trajectory,
+    spatial_columns,
     spatial_robot,
     spatial_trajectory,
 )
@@ -127,7 +125,7 @@ def _planar(robot: Robot) -> _Case:
     printed = planar_trajectory(robot)
     speeds = dict(printed.initial.wheel_speed)
     spinning = replace(printed, initial=spun_up(robot, speeds, printed.start))
-    columns = planar_columns(paper_tables.PLANAR_JOINT1)
+    columns = planar_columns()
     return spinning, columns, paper_tables.PLANAR_CONDITION
 
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from random_robots import random_quaternion
 
+from orbident import _core
 from orbident.errors import InputError
 from orbident.model.rotations import rotation_angle
 from orbident.simulation.free_floating import (
     MOST_SUBSTEPS,
     RateLaw,
     float_attitude,
-    integrate_attitude,
     rate_law,
     step_nodes,
 )
@@ -65,7 +65,7 @@ def test_steps_follow_each_other(steps):
     t = np.linspace(0.0, 2.0, steps + 1)
     nodes = step_nodes(t, 2)
     law, no_momentum = spinning(nodes), np.zeros((nodes.size, 3))
-    x_WB, _ = integrate_attitude(law, no_momentum, LEVEL, t, 2)
+    x_WB, _ = _core.attitudes(*law, no_momentum, LEVEL, t, 2)
     assert x_WB.shape == (steps + 1, 4)
     # RK4: step^5 / 120 in each half angle, and a rounding a step.
     tolerance = 2.0 * (0.5 / steps) ** 4 + 2e-16 * steps
@@ -78,7 +78,7 @@ def test_quaternions_stay_of_unit_norm():
     nodes = step_nodes(t, 2)
     law, no_momentum = spinning(nodes, rate=3.0), np.zeros((nodes.size, 3))
     start = random_quaternion(np.random.default_rng(0))
-    x_WB, _ = integrate_attitude(law, no_momentum, start, t, 2)
+    x_WB, _ = _core.attitudes(*law, no_momentum, start, t, 2)
     # Normalised in every step.
     np.testing.assert_allclose(np.linalg.norm(x_WB, axis=1), 1.0, rtol=1e-15)
 
