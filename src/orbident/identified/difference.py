@@ -30,7 +30,7 @@ from orbident.estimation.levels import ChiSquare
 from orbident.estimation.result import Result
 from orbident.files.names import joined, listed
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import Joint, Robot, Structure, Wheel
+from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 
 TOLERANCE = 1e-9
@@ -57,51 +57,42 @@ def _of_names(before: Robot, after: Robot) -> str | None:
         ("joint", before.joint_names, after.joint_names),
         ("wheel", before.wheel_names, after.wheel_names),
     ):
-        for name in a:
-            if name not in b:
-                return f"{what} '{name}' is in the run before only"
-        for name in b:
-            if name not in a:
-                return f"{what} '{name}' is in the run after only"
+        for when, own, others in (("before", a, b), ("after", b, a)):
+            for name in own:
+                if name not in others:
+                    return f"{what} '{name}' is in the run {when} only"
         if a != b:
             return f"{what} order: {listed(a)} before, {listed(b)} after"
     return None
 
 
 def _of_numbers(before: Robot, after: Robot) -> str | None:
-    pairs = [("robot", _of_robot(before), _of_robot(after))]
-    pairs += [
-        (f"joint '{a.name}'", _of_joint(before, a), _of_joint(after, b))
-        for a, b in zip(before.joints, after.joints, strict=True)
-    ]
-    pairs += [
-        (f"wheel '{a.name}'", _of_wheel(a), _of_wheel(b))
-        for a, b in zip(before.wheels, after.wheels, strict=True)
-    ]
-    for who, a, b in pairs:
-        for what in a:
-            if not _equal(a[what], b[what]):
-                found = f"{_shown(a[what])} before, {_shown(b[what])} after"
-                return f"{who}: {what}: {found}"
+    a, b = _geometry(before), _geometry(after)
+    for what in a:
+        if not _equal(a[what], b[what]):
+            return f"{what}: {_shown(a[what])} before, {_shown(b[what])} after"
     return None
 
 
-def _of_robot(robot: Robot) -> dict[str, Any]:
-    return {"motion": robot.motion, "feature point (m)": robot.feature_point}
-
-
-def _of_joint(robot: Robot, joint: Joint) -> dict[str, Any]:
-    return {
-        "kind": joint.kind,
-        "parent": robot.bodies[joint.parent],
-        "axis": joint.axis,
-        "position (m)": joint.p_PJ,
-        "rotation matrix": joint.R_PJ,
+def _geometry(robot: Robot) -> dict[str, Any]:
+    """All that two results have to have in common, beside names."""
+    found = {
+        "robot: motion": robot.motion,
+        "robot: feature point (m)": robot.feature_point,
     }
-
-
-def _of_wheel(wheel: Wheel) -> dict[str, Any]:
-    return {"axis": wheel.axis, "inertia (kg m^2)": wheel.inertia}
+    for joint in robot.joints:
+        who = f"joint '{joint.name}'"
+        found |= {
+            f"{who}: kind": joint.kind,
+            f"{who}: parent": robot.bodies[joint.parent],
+            f"{who}: axis": joint.axis,
+            f"{who}: position (m)": joint.p_PJ,
+            f"{who}: rotation matrix": joint.R_PJ,
+        }
+    for wheel in robot.wheels:
+        who = f"wheel '{wheel.name}'"
+        found |= {f"{who}: axis": wheel.axis, f"{who}: inertia (kg m^2)": wheel.inertia}
+    return found
 
 
 def _equal(a: Any, b: Any) -> bool:

@@ -82,30 +82,15 @@ def convergence(steps: Convergence) -> Section | None:
     # At most nine numbers on the axis.
     x = {"dtick": -(-taken // 8), "range": across}
     wide = cost.max() > WIDE * cost.min()
+    costs = Panel(COST, of_cost, y=decades(cost) if wide else {})
+    sizes = Panel(SIZE, of_size, y=decades(size, np.array([SMALL])))
     return Section(
         name="convergence",
         title="Convergence of the fit",
         words=tuple(words),
         charts=(
-            Chart(
-                "cost",
-                "Cost after each step",
-                stacked(
-                    [Panel(COST, of_cost, y=decades(cost) if wide else {})],
-                    "step",
-                    **x,
-                ),
-                first=True,
-            ),
-            Chart(
-                "steps",
-                "Size of each step",
-                stacked(
-                    [Panel(SIZE, of_size, y=decades(size, np.array([SMALL])))],
-                    "step",
-                    **x,
-                ),
-            ),
+            Chart("cost", "Cost after each step", stacked([costs], "step", **x), True),
+            Chart("steps", "Size of each step", stacked([sizes], "step", **x)),
         ),
     )
 

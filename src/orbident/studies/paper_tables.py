@@ -70,8 +70,27 @@ PRINTED = 0.005
 NAN = float("nan")
 
 
+class ParameterRow:
+    """A parameter of a table, what it is and what was found."""
+
+    name: str
+    true: float
+    estimate: float
+
+    @property
+    def error_percent(self) -> float:
+        """Relative error of the estimate, signed."""
+        return 100 * (self.estimate / self.true - 1)
+
+    def to_json(self) -> dict[str, Any]:
+        """As `study --json` gives it."""
+        numbers = {**vars(self), "error_percent": self.error_percent}
+        del numbers["name"]
+        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
+
+
 @dataclass(frozen=True)
-class PaperRow:
+class PaperRow(ParameterRow):
     """One parameter of a table of the paper, its numbers and ours."""
 
     name: str
@@ -87,20 +106,9 @@ class PaperRow:
     """The least RMS error that an unbiased estimate can have."""
 
     @property
-    def error_percent(self) -> float:
-        """Relative error of the estimate, signed."""
-        return 100 * (self.estimate / self.true - 1)
-
-    @property
     def as_printed(self) -> bool:
         """Whether the true value is the paper's, to its printed decimals."""
         return self.paper_true is None or abs(self.true - self.paper_true) <= PRINTED
-
-    def to_json(self) -> dict[str, Any]:
-        """As `study --json` gives it."""
-        numbers = {**vars(self), "error_percent": self.error_percent}
-        del numbers["name"]
-        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
 
 
 def spatial_robot() -> Robot:

@@ -18,7 +18,6 @@ from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import Result
 from orbident.estimation.solve import solve
-from orbident.files.json_parts import nulled
 from orbident.model.kinematics import JointState, inertia_at
 from orbident.model.rotations import UNTURNED
 from orbident.preprocessing.low_pass import CutOff
@@ -37,7 +36,11 @@ from orbident.studies.paper_method import (
     judged,
     paper_fits,
 )
-from orbident.studies.paper_tables import planar_robot, planar_trajectory
+from orbident.studies.paper_tables import (
+    ParameterRow,
+    planar_robot,
+    planar_trajectory,
+)
 from orbident.studies.planar import FOLLOWING, measured_record
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
@@ -201,7 +204,8 @@ FAR = 5.0
 """Deviations that a parameter may be off."""
 
 
-class MethodParameter(NamedTuple):
+@dataclass(frozen=True)
+class MethodParameter(ParameterRow):
     """A parameter as one way has it."""
 
     name: str
@@ -213,11 +217,6 @@ class MethodParameter(NamedTuple):
     """Over the seeds."""
 
     @property
-    def error_percent(self) -> float:
-        """Relative error of the estimate, signed."""
-        return 100 * (self.estimate / self.true - 1)
-
-    @property
     def std_percent(self) -> float:
         """Deviation of the estimate, of its true value."""
         return abs(100 * self.std / self.true)
@@ -226,12 +225,6 @@ class MethodParameter(NamedTuple):
     def sigmas(self) -> float:
         """The error in deviations of the estimate."""
         return (self.estimate - self.true) / self.std
-
-    def to_json(self) -> dict[str, Any]:
-        """As `study --json` gives it."""
-        numbers = {**self._asdict(), "error_percent": self.error_percent}
-        del numbers["name"]
-        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
 
 
 class Acted(NamedTuple):
