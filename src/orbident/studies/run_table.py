@@ -42,7 +42,6 @@ from orbident.studies.paper_tables import (
     planar_trajectory,
 )
 from orbident.studies.planar import FOLLOWING, measured_record
-from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory
 
@@ -67,21 +66,10 @@ SENSORS = {
 """Motion capture as that of Cepheus is at rest: most of its errors in place last. A
 wheel that spins up needs finer encoders than one that keeps its speed."""
 
-TILT = (20e-6, -35e-6)
-"""rad."""
-UNEVEN = {"xx": 8e-5, "xy": -5e-5, "yy": -6e-5}
-"""1/s^2: 10 urad over a metre is 1e-4."""
-BASE_FILM = {"c": 8e-3, "c_r": 1e-4}
-ELBOW_FILM = {"c": 2e-3, "c_r": 0.0}
-"""N s/m and N m s: some percent of the momentum in half a minute."""
-SLOW_TORQUE = {"std": 1e-4, "correlation_time": 200.0}
-"""N m and s: a hose that pulls. A Gauss-Markov process is never smooth: one that lasts
-20 s swings faster than what may act on a table, and is another world."""
-
 DESIGNED = Path(__file__).with_name("table_motion.yaml")
-"""The best motion of a minute's search, by `design_excitation(robot, conditions=given,
-budget=60.0)`, with `robot` of `table_robot` and `given` the paper's conditions without
-its basis and with any number of harmonics."""
+"""What acts on the table, and the best motion there of a minute's search, by
+`design_excitation(robot, conditions=given, budget=60.0)`, with `robot` of `table_robot`
+and `given` the paper's conditions without its basis and with any number of harmonics."""
 
 
 class Delayed(NamedTuple):
@@ -107,19 +95,10 @@ def table_robot() -> Robot:
     return replace(robot, pads=pads, sensors=sensors, disturbances=None)
 
 
-def table_environment(robot: Robot) -> Environment:
-    """What is usual on a table that was levelled with care."""
-    films = {robot.bodies[0]: BASE_FILM, robot.bodies[-1]: ELBOW_FILM}
-    given = {"tilt": TILT, "uneven": UNEVEN, "film_drag": films}
-    return Environment.model_validate({**given, "slow_torque": SLOW_TORQUE})
-
-
 def table_motions(robot: Robot) -> tuple[Trajectory, Trajectory]:
     """Table 5's motion and the one designed for a table, with what acts."""
-    environment = table_environment(robot)
-    motions = planar_trajectory(robot), load_trajectory(DESIGNED).for_robot(robot)
-    paper, ours = (replace(each, environment=environment) for each in motions)
-    return paper, ours
+    ours = load_trajectory(DESIGNED).for_robot(robot)
+    return replace(planar_trajectory(robot), environment=ours.environment), ours
 
 
 def truly_acting(robot: Robot, motion: Trajectory) -> dict[str, float]:
@@ -127,17 +106,20 @@ def truly_acting(robot: Robot, motion: Trajectory) -> dict[str, float]:
 
     The result's `uneven` is zero where the CM is at the start of the motion.
     """
-    xx, xy, yy = UNEVEN["xx"], UNEVEN["xy"], UNEVEN["yy"]
+    acts = motion.environment
+    assert acts is not None
+    assert acts.tilt is not None
+    assert acts.uneven is not None
+    A = acts.uneven
     x, y, _ = inertia_at(robot, motion.start[:, 0]).r_cm
     acting = {
-        "pull.x": STANDARD_GRAVITY * TILT[0] + xx * x + xy * y,
-        "pull.y": STANDARD_GRAVITY * TILT[1] + xy * x + yy * y,
-        **{f"uneven.{name}": a for name, a in UNEVEN.items()},
+        "pull.x": STANDARD_GRAVITY * acts.tilt[0] + A.xx * x + A.xy * y,
+        "pull.y": STANDARD_GRAVITY * acts.tilt[1] + A.xy * x + A.yy * y,
+        **{f"uneven.{name}": a for name, a in A},
     }
-    films = (robot.bodies[0], BASE_FILM), (robot.bodies[-1], ELBOW_FILM)
-    for body, film in films:
-        acting[f"drag.{body}"] = film["c"]
-        acting[f"drag.{body}.turning"] = film["c_r"]
+    for body, film in acts.film_drag.items():
+        acting[f"drag.{body}"] = film.c
+        acting[f"drag.{body}.turning"] = film.c_r
     return acting
 
 

@@ -14,7 +14,6 @@ from orbident.studies import run_table as table_study
 from orbident.studies.paper_tables import planar_trajectory
 from orbident.studies.run_table import FAR, TableStudy, run_table
 from orbident.studies.spatial import paper_case
-from orbident.trajectories.environment import Environment
 
 
 @pytest.fixture(scope="module")
@@ -41,15 +40,15 @@ def test_the_wheel_spins_up_from_rest_by_a_torque_that_ends():
 def test_what_a_result_may_name_is_what_the_table_does():
     """At the CM's first place, the pull is that of the environment there."""
     robot = table_study.table_robot()
-    given = table_study.table_environment(robot)
-    motion = planar_trajectory(robot)
+    motion, _ = table_study.table_motions(robot)
+    given = motion.environment
     true = table_study.truly_acting(robot, motion)
-    x, y, _ = table_study.fly_table(robot, motion).r_cm[0]
+    x, y, _ = table_study.fly_table(robot, planar_trajectory(robot)).r_cm[0]
+    assert given is not None
     assert given.tilt is not None
     expected = STANDARD_GRAVITY * given.tilt[0] + 8e-5 * x - 5e-5 * y
     assert true["pull.x"] == pytest.approx(expected, rel=1e-12)
     assert true["drag.base"] == 8e-3
-    assert isinstance(given, Environment)
 
 
 def test_our_motion_is_designed_for_a_table():
