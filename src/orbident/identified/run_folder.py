@@ -59,13 +59,7 @@ def write_signals(signals: Signals, path: Path) -> None:
         }
         for signal in signals
     ]
-    table = pa.table(
-        [
-            pa.array([row[field.name] for row in rows], field.type)
-            for field in SIGNAL_COLUMNS
-        ],
-        schema=SIGNAL_COLUMNS,
-    )
+    table = pa.Table.from_pylist(rows, schema=SIGNAL_COLUMNS)
     # Bytes: as text Arrow takes no name that is not UTF-8.
     with pa.OSFile(os.fsencode(path), "wb") as file:
         parquet.write_table(

@@ -320,11 +320,10 @@ def _tracker(white: str, axes: Mapping[str, AxisNoise]) -> dict[str, Any]:
         ("correlation_time", 1.0),
         ("random_walk", 0.0),
     ):
-        part = "markov_std" if name == "correlation_time" else name
-        if any(part in model.levels for model in models):
+        if any(name in model.levels for model in models):
             section[name] = [
                 digits(axes[k].model.value(name))
-                if k in axes and part in axes[k].model.levels
+                if k in axes and name in axes[k].model.levels
                 else absent
                 for k in "xyz"
             ]

@@ -4,6 +4,7 @@ It flies spin-up, exciting trajectory, burn and validation. Recordings are what 
 sensors saw, and how the thrusters fired.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from orbident.simulation.flight import (
     attitude_hold,
     standing,
 )
-from orbident.simulation.free_floating import BaseState, JointMotion
+from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
 from orbident.simulation.outside import Pulse
@@ -139,6 +140,12 @@ TOLERANCE = 1e-6
 """rad or m: a hundredth of what the sensors see. Momentum is kept to rounding."""
 
 
+_following = partial(
+    free_flying, joints=FOLLOWING, wheels=WHEEL, limits=MOTOR, tolerance=TOLERANCE
+)
+"""Fly from a state while the joints follow a command."""
+
+
 class Flights(NamedTuple):
     """What is recorded; each begins at zero of its own clock."""
 
@@ -167,24 +174,6 @@ def _spun_up(robot: Robot, q: Float[np.ndarray, " joints"], yaw: float) -> Flyin
     """State after the wheel's spin-up from rest (Eq. 25): momentum is still zero."""
     start = standing(_at_rest(yaw), q)
     return _following(robot, _times(0.0, SPIN_UP), start, Hold(q)).state(-1)
-
-
-def _following(
-    robot: Robot,
-    t: Float[np.ndarray, " n"],
-    start: FlyingState,
-    command: JointMotion,
-) -> FreeFlying:
-    return free_flying(
-        robot,
-        t,
-        start,
-        command,
-        FOLLOWING,
-        wheels=WHEEL,
-        limits=MOTOR,
-        tolerance=TOLERANCE,
-    )
 
 
 def _burn(robot: Robot) -> FreeFlying:

@@ -69,7 +69,7 @@ wheel that spins up needs finer encoders than one that keeps its speed."""
 DESIGNED = Path(__file__).with_name("table_motion.yaml")
 """What acts on the table, and the best motion there of a minute's search, by
 `design_excitation(robot, conditions=given, budget=60.0)`, with `robot` of `table_robot`
-and `given` the paper's conditions without its basis and with any number of harmonics."""
+and `given` the paper's conditions without its basis, with any number of harmonics."""
 
 
 class Delayed(NamedTuple):
