@@ -10,6 +10,7 @@ from obvious_momentum import body_motion, quaternion_rotation
 from random_robots import DUAL_ARM, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
+from orbident import _core
 from orbident.robot.description import Robot
 from orbident.simulation.flight import (
     Hold,
@@ -18,7 +19,7 @@ from orbident.simulation.flight import (
     integrate,
     vehicle_of,
 )
-from orbident.simulation.free_floating import integrate_attitude, rate_law, step_nodes
+from orbident.simulation.free_floating import rate_law, step_nodes
 from orbident.simulation.free_flying import free_flying
 
 ROBOT = random_robot(3, DUAL_ARM, (4,), random_wheels(1, ("free", "held")))
@@ -101,7 +102,7 @@ def test_attitude_under_a_constant_torque():
     )
     h_cm = np.multiply.outer(h + torque * nodes, axis)
     start = Rotation.from_rotvec([0.3, -0.2, 0.5])
-    x_WB, _ = integrate_attitude(law, h_cm, start.as_quat(), t, 4)
+    x_WB, _ = _core.attitudes(*law, h_cm, start.as_quat(), t, 4)
     angle = (h * t + torque * t**2 / 2) / I
     expected = Rotation.from_rotvec(np.multiply.outer(angle, axis)) * start
     apart = (Rotation.from_quat(x_WB).inv() * expected).magnitude()
