@@ -59,7 +59,8 @@ def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
     body |= {**_faces(shapes), **_at(points[0])}
     arrow |= _arrow(arrows[0])
     layout = figure["layout"]
-    layout["scene"] |= {f"{k}axis": _axis(k, reach) for k in "xyz"}
+    for axis in "xyz":
+        layout["scene"][f"{axis}axis"]["range"] = [-1.05 * reach, 1.05 * reach]
     layout["sliders"][0]["steps"] = [_step(k, time) for k, time in enumerate(shown.t)]
     return {**figure, "frames": frames}
 
@@ -79,17 +80,6 @@ def _at(points: Float[np.ndarray, "v 3"]) -> dict[str, Any]:
 
 def _arrow(end: Float[np.ndarray, "3"]) -> dict[str, Any]:
     return _at(np.vstack([np.zeros(3), end]))
-
-
-def _axis(name: str, reach: float) -> dict[str, Any]:
-    return {
-        "range": [-1.05 * reach, 1.05 * reach],
-        "showbackground": False,
-        "gridcolor": "--grid",
-        "nticks": 4,
-        "showspikes": False,
-        "title": {"text": f"{name}, m"},
-    }
 
 
 def _step(k: int, time: float) -> dict[str, Any]:
