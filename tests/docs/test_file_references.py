@@ -16,7 +16,7 @@ from orbident.recordings.columns import (
     is_known,
 )
 from orbident.robot.schema import RobotFile
-from orbident.robot.sensor_suites import SUITES
+from orbident.robot.sensor_schema import SUITES
 from orbident.robot.units import UNITS
 
 ROBOT_FILE = (ROOT / "docs/robot-file.md").read_text(encoding="utf-8")

@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
+import yaml
 from jaxtyping import Float
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
@@ -17,7 +19,6 @@ from orbident.files.schema_parts import (
     finite_number,
     validated,
 )
-from orbident.robot.sensor_suites import SUITES
 from orbident.robot.units import (
     TORQUE_OF_A_JOINT,
     Angle,
@@ -29,6 +30,11 @@ from orbident.robot.units import (
     measure_of,
     per_axis,
 )
+
+SUITES: Mapping[str, Mapping[str, Any]] = yaml.safe_load(
+    Path(__file__).with_name("sensor_suites.yaml").read_text("utf-8")
+)
+"""Ready-made sensors by the names of their suites, as a robot file would have them."""
 
 
 class Coloured(NamedTuple):

@@ -6,8 +6,7 @@ from random_motions import random_motion
 
 from orbident.errors import InputError
 from orbident.robot.robot_file import load_robot
-from orbident.robot.sensor_schema import declared_sensors
-from orbident.robot.sensor_suites import SUITES
+from orbident.robot.sensor_schema import SUITES, declared_sensors
 from orbident.simulation.simulate import simulate
 
 
