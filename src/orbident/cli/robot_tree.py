@@ -15,8 +15,8 @@ from orbident.robot.description import (
     Robot,
     Wheel,
 )
-from orbident.robot.formats.urdf_text import roll_pitch_yaw
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
+from orbident.robot.urdf import roll_pitch_yaw
 
 ROUNDING = 1e-12
 """m and rad: what is below is rounding, and shown as zero."""

@@ -28,7 +28,6 @@ from orbident.model.core_robot import (
 )
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Coupling, Friction, Joint, Robot, Wheel
-from orbident.robot.formats.urdf_text import inertial_element
 from orbident.robot.fusing import Placement, fused
 from orbident.robot.joint_schema import make_stiff, parsed
 from orbident.robot.oddities import nonphysical
@@ -43,7 +42,8 @@ from orbident.robot.parameters import (
 from orbident.robot.robot_file import assembled
 from orbident.robot.schema import RobotFile
 from orbident.robot.tree import LinkTree, link_tree
-from orbident.robot.urdf import read_urdf
+from orbident.robot.urdf import inertial_element
+from orbident.robot.urdf_reader import read_urdf
 
 PLACE = "exported URDF"
 NO_ROTORS = "the declared rotors of motors are in the robot file alone, not in bodies"

@@ -33,7 +33,6 @@ from orbident.identified.exported_robot import (
 from orbident.identified.generated_code import template_text
 from orbident.model.core_robot import theta_with_rotors
 from orbident.robot.description import NO_FRICTION, Friction, Joint, Robot
-from orbident.robot.formats.urdf_text import roll_pitch_yaw, spaced
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
@@ -41,6 +40,7 @@ from orbident.robot.parameters import (
     inertia_about_com,
     transformed,
 )
+from orbident.robot.urdf import roll_pitch_yaw, spaced
 
 KINDS = {"revolute": "hinge", "prismatic": "slide"}
 

@@ -39,7 +39,8 @@ from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tolerances import EVERY
 from orbident.robot.tree import LinkTree, link_tree
-from orbident.robot.urdf import Urdf, read_urdf
+from orbident.robot.urdf import Urdf
+from orbident.robot.urdf_reader import read_urdf
 
 
 def assembled(

@@ -1,17 +1,22 @@
-"""URDF text to links and joints as plain data."""
+"""Links and joints as plain data, and as the text of a URDF that says the same."""
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, SupportsFloat
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.errors import InputError
-from orbident.files.bounds import LARGEST, SMALLEST
+from orbident.files.bounds import LARGEST
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
-from orbident.robot.urdf_xml import checked_xml
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+UNLIMITED = 10 * LARGEST
+"""Other readers of a URDF want a number where there is no limit; ours takes one that
+is larger than `LARGEST` for none."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,7 @@ class UrdfJoint:
 
     name: str
     kind: str
-    """One of `urdf_xml.KINDS`."""
+    """Of `KINDS`."""
     parent: str
     child: str
     R: Float[np.ndarray, "3 3"]
@@ -85,88 +90,84 @@ class Urdf:
     warnings: tuple[str, ...] = ()
 
 
-def read_urdf(text: str, place: str = "URDF") -> Urdf:
-    """The links and joints of a URDF. No mesh is opened.
+def urdf_text(tree: Urdf) -> str:
+    """The URDF that has these links and joints; `read_urdf` gives them back."""
+    root = ET.Element("robot", name=tree.name)
+    for link in tree.links:
+        root.append(_link(link))
+    for joint in tree.joints:
+        root.append(_joint(joint))
+        if joint.gear is not None:
+            root.append(_transmission(joint.name, joint.gear))
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
 
-    Raises:
-        InputError: see `urdf_xml.checked_xml`; also a zero axis, or limits whose
-            lower end is above the upper one.
-    """
-    robot = checked_xml(text, place)
-    warnings: list[str] = []
-    links = tuple(_link(link) for link in robot.iter("link"))
-    joints = tuple(_joint(joint, place, warnings) for joint in robot.iter("joint"))
-    return Urdf(robot.attrib["name"], links, joints, place, tuple(warnings))
+
+def _link(link: UrdfLink) -> ET.Element:
+    element = ET.Element("link", name=link.name)
+    if link.mass or link.I_com.any():
+        element.append(inertial_element(link.mass, link.com, link.I_com))
+    return element
 
 
-def _link(link: ET.Element) -> UrdfLink:
-    name, inertial = link.attrib["name"], link.find("inertial")
-    if inertial is None:
-        return UrdfLink(name, 0.0, np.zeros(3), np.zeros((3, 3)))
-    R, com = _placement(inertial)
-    xx, xy, xz, yy, yz, zz = (
-        _numbers(inertial, "inertia", f"i{axes}", (0.0,))[0]
-        for axes in ("xx", "xy", "xz", "yy", "yz", "zz")
+def inertial_element(
+    mass: float, com: Float[np.ndarray, "3"], I_com: Float[np.ndarray, "3 3"]
+) -> ET.Element:
+    """A link's mass, CM and inertia about the CM, in the link's axes; SI."""
+    element = ET.Element("inertial")
+    ET.SubElement(element, "origin", xyz=spaced(com))
+    ET.SubElement(element, "mass", value=repr(float(mass)))
+    entries = {
+        f"i{'xyz'[a]}{'xyz'[b]}": repr(float(I_com[a, b]))
+        for a in range(3)
+        for b in range(a, 3)
+    }
+    ET.SubElement(element, "inertia", entries)
+    return element
+
+
+def _joint(joint: UrdfJoint) -> ET.Element:
+    free = joint.kind == "revolute" and joint.position is None
+    kind = "continuous" if free else joint.kind
+    element = ET.Element("joint", name=joint.name, type=kind)
+    ET.SubElement(element, "parent", link=joint.parent)
+    ET.SubElement(element, "child", link=joint.child)
+    ET.SubElement(
+        element,
+        "origin",
+        xyz=spaced(joint.p),
+        rpy=spaced(roll_pitch_yaw(joint.R)),
     )
-    I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    mass = _numbers(inertial, "mass", "value", (0.0,))[0]
-    return UrdfLink(name, mass, com, R @ I @ R.T, R)
+    if joint.kind == "fixed":
+        return element
+    ET.SubElement(element, "axis", xyz=spaced(joint.axis))
+    lower, upper = joint.position or (-UNLIMITED, UNLIMITED)
+    limit = {"effort": UNLIMITED, "velocity": joint.velocity or UNLIMITED}
+    if not free:
+        limit |= {"lower": lower, "upper": upper}
+    ET.SubElement(element, "limit", {name: repr(float(x)) for name, x in limit.items()})
+    if joint.armature:
+        ET.SubElement(element, "dynamics", armature=repr(joint.armature))
+    if joint.mimic is not None:
+        leader, *line = joint.mimic
+        line = dict(zip(("multiplier", "offset"), map(repr, line), strict=True))
+        ET.SubElement(element, "mimic", {"joint": leader} | line)
+    return element
 
 
-def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
-    name, kind = joint.attrib["name"], joint.attrib["type"]
-    where = f"joint '{name}'"
-    axis = np.array(_numbers(joint, "axis", "xyz", (1.0, 0.0, 0.0)))
-    moves = kind in {"revolute", "continuous", "prismatic"}
-    norm = float(np.linalg.norm(axis))
-    if moves and norm < SMALLEST:
-        raise InputError(f"{place}: {where}: found axis 0 0 0; give a nonzero vector")
-    R, p = _placement(joint)
-    return UrdfJoint(
-        name,
-        kind,
-        _linked(joint, "parent"),
-        _linked(joint, "child"),
-        R,
-        p,
-        axis=axis / norm if moves else np.array([1.0, 0.0, 0.0]),
-        position=_position_limits(joint, f"{place}: {where}", warnings),
-        velocity=_velocity_limit(joint, f"{place}: {where}", warnings),
-        mimic=_mimic(joint),
-        gear=_first(joint, "motor", "gear"),
-        armature=_first(joint, "motor", "armature") or 0.0,
-    )
+def _transmission(joint: str, gear: float) -> ET.Element:
+    element = ET.Element("transmission", name=f"{joint}_transmission")
+    kind = "transmission_interface/SimpleTransmission"
+    ET.SubElement(element, "type").text = kind
+    ET.SubElement(element, "joint", name=joint)
+    actuator = ET.SubElement(element, "actuator", name=f"{joint}_motor")
+    ET.SubElement(actuator, "mechanicalReduction").text = repr(gear)
+    return element
 
 
-def _mimic(joint: ET.Element) -> Mimic | None:
-    element = joint.find("mimic")
-    if element is None:
-        return None
-    (multiplier,) = _numbers(joint, "mimic", "multiplier", (1.0,))
-    (offset,) = _numbers(joint, "mimic", "offset", (0.0,))
-    return Mimic(element.attrib["joint"], multiplier, offset)
-
-
-def _linked(joint: ET.Element, end: str) -> str:
-    return joint.findall(end)[0].attrib["link"]
-
-
-def _numbers(
-    element: ET.Element, tag: str, attribute: str, default: tuple[float, ...]
-) -> tuple[float, ...]:
-    """The numbers of a child's attribute; the default where it is absent."""
-    child = element.find(tag)
-    text = None if child is None else child.get(attribute)
-    return default if text is None else tuple(float(word) for word in text.split())
-
-
-def _placement(
-    element: ET.Element,
-) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"]]:
-    """`<origin>`: roll, pitch and yaw turn about the fixed axes x, y and z."""
-    p = np.array(_numbers(element, "origin", "xyz", (0.0, 0.0, 0.0)))
-    rpy = np.array(_numbers(element, "origin", "rpy", (0.0, 0.0, 0.0)))
-    return rotation_of(rpy), p
+def spaced(numbers: Iterable[SupportsFloat]) -> str:
+    """Numbers as an attribute holds several, to the last bit."""
+    return " ".join(repr(float(x)) for x in numbers)
 
 
 def rotation_of(rpy: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
@@ -180,50 +181,13 @@ def rotation_of(rpy: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return np.array(R)
 
 
-def _first(joint: ET.Element, tag: str, attribute: str) -> float | None:
-    numbers = _numbers(joint, tag, attribute, ())
-    return numbers[0] if numbers else None
+def roll_pitch_yaw(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
+    """The angles of `R = Rz(yaw) Ry(pitch) Rx(roll)`, rad.
 
-
-def _position_limits(
-    joint: ET.Element, where: str, warnings: list[str]
-) -> tuple[float, float] | None:
-    ends = _first(joint, "limit", "lower"), _first(joint, "limit", "upper")
-    if joint.attrib["type"] not in {"revolute", "prismatic"} or ends == (None, None):
-        return None
-    # The URDF format's default for one missing end is zero.
-    lower, upper = (_unbounded(end or 0.0) for end in ends)
-    if lower > upper:
-        raise InputError(
-            f"{where}: found lower limit {lower:g} above the upper limit {upper:g}; "
-            "exchange them"
-        )
-    if lower == upper:
-        warnings.append(
-            f"joint '{joint.attrib['name']}': position limits "
-            f"[{lower:g}, {upper:g}] leave no motion; taken as no limits"
-        )
-        return None
-    return None if math.isinf(lower) and math.isinf(upper) else (lower, upper)
-
-
-def _unbounded(limit: float) -> float:
-    """Many files write the largest number that they can where there is no limit."""
-    return math.copysign(math.inf, limit) if abs(limit) > LARGEST else limit
-
-
-def _velocity_limit(joint: ET.Element, where: str, warnings: list[str]) -> float | None:
-    velocity = _first(joint, "limit", "velocity")
-    if velocity is None or math.isinf(_unbounded(velocity)):
-        return None
-    if velocity < 0:
-        raise InputError(
-            f"{where}: found velocity limit {velocity:g}; give more than 0"
-        )
-    if velocity < SMALLEST:
-        warnings.append(
-            f"joint '{joint.attrib['name']}': velocity limit 0 leaves no motion; "
-            "taken as no limit"
-        )
-        return None
-    return velocity
+    Pitch and roll are those of `Rz(-yaw) R`, so that the three give `R` back to
+    rounding where the pitch is near 90 degrees and the yaw alone means nothing, too.
+    """
+    yaw = math.atan2(R[1, 0], R[0, 0])
+    c, s = math.cos(yaw), math.sin(yaw)
+    P = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ R
+    return np.array([math.atan2(-P[1, 2], P[1, 1]), math.atan2(-P[2, 0], P[0, 0]), yaw])

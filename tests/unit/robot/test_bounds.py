@@ -6,7 +6,7 @@ from urdf_texts import ARM
 
 from orbident.errors import InputError
 from orbident.robot.robot_file import load_robot
-from orbident.robot.urdf import read_urdf
+from orbident.robot.urdf_reader import read_urdf
 
 TEXT = (
     '<robot name="r"><link name="a"><inertial><origin xyz="{xyz} 0 0"/>'

@@ -7,9 +7,9 @@ from urdf_texts import ARM, joint, link, robot
 
 from orbident.errors import InputError
 from orbident.robot.description import NO_ROTOR, GearedRotor
-from orbident.robot.formats.urdf_text import urdf_text
 from orbident.robot.robot_file import load_robot
-from orbident.robot.urdf import read_urdf
+from orbident.robot.urdf import urdf_text
+from orbident.robot.urdf_reader import read_urdf
 
 
 def test_in_units(load_yaml):

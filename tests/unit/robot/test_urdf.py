@@ -5,7 +5,7 @@ import pytest
 from urdf_texts import ARM, joint, link, robot
 
 from orbident.errors import InputError
-from orbident.robot.urdf import read_urdf
+from orbident.robot.urdf_reader import read_urdf
 
 
 def test_reads_links_and_joints():

@@ -17,8 +17,7 @@ from orbident.errors import InputError
 from orbident.extras import extra, require_library
 from orbident.files.confined import ConfinedError, confined
 from orbident.files.names import listed, one_line
-from orbident.robot.formats.urdf_text import urdf_text
-from orbident.robot.urdf import Mimic, Urdf, UrdfJoint, UrdfLink
+from orbident.robot.urdf import Mimic, Urdf, UrdfJoint, UrdfLink, urdf_text
 
 _Vector = Float[np.ndarray, "3"]
 

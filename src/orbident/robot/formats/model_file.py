@@ -21,8 +21,8 @@ from orbident.files.names import one_line
 from orbident.files.text import read_text
 from orbident.robot.formats.mjcf import mjcf_as_urdf
 from orbident.robot.formats.sdf import read_sdf
-from orbident.robot.formats.urdf_text import urdf_text
-from orbident.robot.urdf import Urdf, read_urdf
+from orbident.robot.urdf import Urdf, urdf_text
+from orbident.robot.urdf_reader import read_urdf
 
 KINDS = "a URDF, xacro, MJCF or SDF file"
 SUFFIXES = (".urdf", ".xacro", ".xml", ".sdf")

@@ -24,7 +24,7 @@ from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.files.names import quoted, suggestion
 from orbident.robot.urdf import Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
-from orbident.robot.urdf_xml import numbers_in, parsed_xml, unique_names
+from orbident.robot.urdf_reader import numbers_in, parsed_xml, unique_names
 
 MODEL = "__model__"
 """The name of the model's own frame."""
