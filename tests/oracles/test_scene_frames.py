@@ -15,11 +15,12 @@ from scipy.spatial.transform import Rotation
 
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
-from orbident.scene.ellipsoids import inertia_ellipsoids, inertia_intervals
 from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     centroidal_momentum,
+    inertia_ellipsoids,
+    inertia_intervals,
     placed,
     reaction,
     tips,

@@ -28,7 +28,7 @@ from orbident.model.core_robot import (
 )
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Coupling, Friction, Joint, Robot, Wheel
-from orbident.robot.fusing import Placement, fused
+from orbident.robot.fusing import LinkTree, Placement, fused, link_tree
 from orbident.robot.joint_schema import make_stiff, parsed
 from orbident.robot.oddities import nonphysical
 from orbident.robot.parameters import (
@@ -41,7 +41,6 @@ from orbident.robot.parameters import (
 )
 from orbident.robot.robot_file import assembled
 from orbident.robot.schema import RobotFile
-from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import inertial_element
 from orbident.robot.urdf_reader import read_urdf
 

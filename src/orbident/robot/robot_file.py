@@ -25,7 +25,14 @@ from orbident.robot.description import (
     Wheel,
 )
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
-from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
+from orbident.robot.fusing import (
+    Bodies,
+    LinkTree,
+    about_feature_point,
+    fused,
+    link_tree,
+    wheel_on_joint,
+)
 from orbident.robot.joint_schema import (
     armature_stds,
     check_driven,
@@ -38,7 +45,6 @@ from orbident.robot.joint_schema import (
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tolerances import EVERY
-from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
 from orbident.robot.urdf_reader import read_urdf
 

@@ -16,9 +16,8 @@ from orbident.files.names import first_duplicate, quoted, suggestion
 from orbident.robot.urdf import KINDS, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 
 _ORIGIN = {"origin xyz": (0.0, 0.0, 0.0), "origin rpy": (0.0, 0.0, 0.0)}
-_INERTIAL = {**_ORIGIN, "mass value": (0.0,)} | {
-    f"inertia i{axes}": (0.0,) for axes in ("xx", "xy", "xz", "yy", "yz", "zz")
-}
+_MOMENTS = [f"inertia i{axes}" for axes in ("xx", "xy", "xz", "yy", "yz", "zz")]
+_INERTIAL = {**_ORIGIN, "mass value": (0.0,), **dict.fromkeys(_MOMENTS, (0.0,))}
 _JOINT = {
     **_ORIGIN,
     "axis xyz": (1.0, 0.0, 0.0),
@@ -87,9 +86,7 @@ def _link(link: ET.Element, name: str, where: str) -> UrdfLink:
         wanted = f"give zero, or at least {SMALLEST:g} kg"
         raise InputError(f"{where}: found mass {mass:g} kg; {wanted}")
     R, com = _placement(numbers)
-    xx, xy, xz, yy, yz, zz = (
-        numbers[f"inertia i{axes}"][0] for axes in ("xx", "xy", "xz", "yy", "yz", "zz")
-    )
+    xx, xy, xz, yy, yz, zz = (numbers[key][0] for key in _MOMENTS)
     I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return UrdfLink(name, mass, com, R @ I @ R.T, R)
 

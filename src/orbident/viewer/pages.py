@@ -11,12 +11,13 @@ from jaxtyping import Float
 from orbident.model.rotations import UNTURNED
 from orbident.recordings.tables import read_recording
 from orbident.robot.description import Joint, Robot
-from orbident.scene.ellipsoids import inertia_ellipsoids, inertia_intervals
 from orbident.scene.replay import (
     BasePose,
     MotionHistory,
     Replay,
     centroidal_momentum,
+    inertia_ellipsoids,
+    inertia_intervals,
     motion_residuals,
     placed,
     reaction,

@@ -8,8 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.scene.ellipsoids import InertiaEllipsoids
-from orbident.scene.replay import CentroidalMomentum
+from orbident.scene.replay import CentroidalMomentum, InertiaEllipsoids
 from orbident.scene.scene import Scene
 from orbident.scene.shapes import FAINT, Colour
 

@@ -4,9 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from urdf_texts import joint, link, robot
 
-from orbident.robot.fusing import about_feature_point, fused
+from orbident.robot.fusing import about_feature_point, fused, link_tree
 from orbident.robot.parameters import from_mass_com_inertia
-from orbident.robot.tree import link_tree
 from orbident.robot.urdf_reader import read_urdf
 
 pin = pytest.importorskip("pinocchio")

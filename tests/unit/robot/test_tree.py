@@ -3,8 +3,7 @@ import pytest
 from urdf_texts import ARM, joint, link, robot
 
 from orbident.errors import InputError
-from orbident.robot.fusing import fused
-from orbident.robot.tree import link_tree
+from orbident.robot.fusing import fused, link_tree
 from orbident.robot.urdf_reader import read_urdf
 
 A, B, C = link("a"), link("b"), link("c")

@@ -15,11 +15,11 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.ellipsoids import inertia_ellipsoids
 from orbident.scene.replay import (
     BasePose,
     Replay,
     centroidal_momentum,
+    inertia_ellipsoids,
     placed,
     reaction,
     recorded_motion,
