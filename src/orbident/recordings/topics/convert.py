@@ -1,10 +1,9 @@
 """A file of another tool into a recording, and what became of every message."""
 
-import dataclasses
 import os
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -137,11 +136,7 @@ def topic_report(
         time=timed.clock,
         messages=values.messages,
         used=stamps.size,
-        rejected={
-            "duplicate": timed.duplicate,
-            "without_stamp": timed.without_stamp,
-            "undecodable": values.undecodable,
-        },
+        rejected=timed.rejected,
         duplicate_differs=timed.duplicate_differs,
         incomplete=values.incomplete,
         not_finite=values.not_finite,
@@ -192,34 +187,30 @@ _LOOKED_AT = 65_536
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Emptied:
-    """The samples of one entry that are left empty."""
+def emptied(
+    used: Timed,
+) -> tuple[Bool[np.ndarray, "used columns"], dict[str, dict[str, int]]]:
+    """What is left empty of the samples of an entry, in the order of their times.
 
-    empty: Bool[np.ndarray, "used columns"]
-    reasons: dict[str, dict[str, int]]
-    """How many samples, by sensor and reason."""
-
-    @classmethod
-    def of(cls, used: Timed) -> "Emptied":
-        """What is found among all samples, in the order of their times."""
-        names = used.values.entry.columns
-        groups = [
-            (sensor, [names.index(name) for name in columns])
-            for sensor, columns in sensor_groups(names).items()
-        ]
-        empty = np.zeros((used.order.size, len(names)), dtype=bool)
-        reasons = defaultdict[str, Counter[str]](Counter)
-        if used.values.zeros:
-            reasons["attitude"]["quaternion of zeros"] = used.values.zeros
-        for start in range(0, used.order.size, _LOOKED_AT):
-            rows = slice(start, start + _LOOKED_AT)
-            block = used.values.rows.gather(used.order[rows])
-            for sensor, columns in groups:
-                for reason, mask in no_measurements(sensor, block[:, columns]).items():
-                    empty[start + np.flatnonzero(mask)[:, None], columns] = True
-                    reasons[sensor][reason] += int(mask.sum())
-        return cls(empty, {sensor: dict(why) for sensor, why in reasons.items()})
+    How many samples that are is said by sensor and reason.
+    """
+    names = used.values.entry.columns
+    groups = [
+        (sensor, [names.index(name) for name in columns])
+        for sensor, columns in sensor_groups(names).items()
+    ]
+    empty = np.zeros((used.order.size, len(names)), dtype=bool)
+    reasons = defaultdict[str, Counter[str]](Counter)
+    if used.values.zeros:
+        reasons["attitude"]["quaternion of zeros"] = used.values.zeros
+    for start in range(0, used.order.size, _LOOKED_AT):
+        rows = slice(start, start + _LOOKED_AT)
+        block = used.values.rows.gather(used.order[rows])
+        for sensor, columns in groups:
+            for reason, mask in no_measurements(sensor, block[:, columns]).items():
+                empty[start + np.flatnonzero(mask)[:, None], columns] = True
+                reasons[sensor][reason] += int(mask.sum())
+    return empty, {sensor: dict(why) for sensor, why in reasons.items()}
 
 
 _BLOCK_ROWS = 32_768
@@ -280,7 +271,7 @@ def convert_file(
         try:
             _collect(source, tracks, mapped, said)
             place = str(source.path)
-            used = [timed(track.finished(place), place) for track in tracks]
+            used = [timed(*track.finished(place), place) for track in tracks]
             check_times(place, used)
             report = _written(used, str(file), out, said)
         finally:
@@ -292,7 +283,7 @@ def convert_file(
         if (names := [name for what, name in missing.values() if what == kind])
     ]
     warnings = (*source.notes, *left_out, *report.warnings)
-    return dataclasses.replace(report, warnings=warnings)
+    return replace(report, warnings=warnings)
 
 
 def _collect(
@@ -328,12 +319,12 @@ def _written(
 ) -> ConversionReport:
     rows, indices = common_rows([each.stamps for each in used])
     names = ["t", *(name for each in used for name in each.values.entry.columns)]
-    emptied = [Emptied.of(each) for each in used]
-    write_blocks(out, names, _blocks(used, emptied, rows, indices, said))
+    empty, reasons = zip(*map(emptied, used), strict=True)
+    write_blocks(out, names, _blocks(used, empty, rows, indices, said))
     start_ns = int(rows[0])
     topics = tuple(
-        topic_report(each, start_ns, gaps.reasons)
-        for each, gaps in zip(used, emptied, strict=True)
+        topic_report(each, start_ns, why)
+        for each, why in zip(used, reasons, strict=True)
     )
     return ConversionReport(
         file=file,
@@ -348,7 +339,7 @@ def _written(
 
 def _blocks(
     used: Sequence[Timed],
-    emptied: Sequence[Emptied],
+    empty: Sequence[np.ndarray],
     rows: np.ndarray,
     indices: Sequence[np.ndarray],
     said: Callable[[float], None],
@@ -362,7 +353,7 @@ def _blocks(
         for k, each in enumerate(used):
             low, high = np.searchsorted(indices[k], [start, stop])
             values = each.values.rows.gather(each.order[low:high])
-            values = np.where(emptied[k].empty[low:high], np.nan, values)
+            values = np.where(empty[k][low:high], np.nan, values)
             block[indices[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block
         said(0.75 + 0.25 * stop / rows.size)

@@ -1,15 +1,13 @@
 """Samples in the order of their stamps, each stamp once."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Int
 
 from orbident.errors import InputError
-from orbident.recordings.topics.track import Arrived, RowFile, Values
-
-Stamps = Int[np.ndarray, " _"]
+from orbident.recordings.topics.track import RowFile, Stamps, Values
 
 _RUN = 8
 """Samples: so many in order come by chance once among 8! = 40 320 in any order."""
@@ -122,12 +120,11 @@ class Timed:
     """Which row in the order of arrival."""
     clock: str
     """Which time the stamps are: "header", "receive", or "stamp" of a table."""
-    without_stamp: int
-    """Samples rejected because their header's stamp is zero."""
-    duplicate: int
-    """Samples rejected because another has the same stamp."""
+    rejected: dict[str, int]
+    """Samples whose header's stamp is zero, or that another has too, and messages that
+    could not be decoded, by reason."""
     duplicate_differs: int
-    """How many of the rejected are not the same as the one that is kept."""
+    """How many of the duplicates are not the same as the one that is kept."""
     out_of_order: int
     """Samples that came after one with a later stamp; they are used."""
     note: str
@@ -136,26 +133,22 @@ class Timed:
     """s, how far the stamps are before the time of recording, the median."""
 
 
-def timed(arrived: Arrived, place: str) -> Timed:
-    """Sorts by stamp and keeps the first sample of each.
+def timed(values: Values, sent: Stamps, received: Stamps, place: str) -> Timed:
+    """Sorts samples by stamp and keeps the first one of each.
 
-    Header stamps are used unless the map says otherwise or none is set; then it is
-    the time of recording.
+    Those that are `sent`, ns, are the stamps of headers, 0 where there is none. They
+    are used unless the map says otherwise or none is set; then it is the time of
+    recording.
 
     Raises:
         InputError: the time goes back where no counter begins again.
     """
-    rows, entry = arrived.values.rows, arrived.values.entry
-    is_set = arrived.stamps > 0
+    rows, entry = values.rows, values.entry
+    is_set = sent > 0
     by_header = entry.time == "header" and bool(is_set.any())
-    if by_header:
-        used = np.flatnonzero(is_set)
-        stamps = arrived.stamps[used]
-    else:
-        used = np.arange(arrived.received.size)
-        stamps = arrived.received
-    stamps = stamps + round(entry.offset * 1e9)
-    ahead = float(np.median(stamps - arrived.received[used])) / 1e9
+    used = np.flatnonzero(is_set) if by_header else np.arange(received.size)
+    stamps = (sent if by_header else received)[used] + round(entry.offset * 1e9)
+    ahead = float(np.median(stamps - received[used])) / 1e9
     stamps, note = continued(
         stamps,
         entry.counts,
@@ -167,12 +160,15 @@ def timed(arrived: Arrived, place: str) -> Timed:
     stamps, order = stamps[order], used[order]
     first = np.diff(stamps, prepend=stamps[0] - SAME_TIME - 1) > SAME_TIME
     return Timed(
-        values=arrived.values,
+        values=values,
         stamps=stamps[first],
         order=order[first],
         clock=entry.sender_time if by_header else entry.other_time,
-        without_stamp=arrived.stamps.size - used.size,
-        duplicate=int(np.count_nonzero(~first)),
+        rejected={
+            "duplicate": int(np.count_nonzero(~first)),
+            "without_stamp": sent.size - used.size,
+            "undecodable": values.undecodable,
+        },
         duplicate_differs=_differing(rows, order, first),
         out_of_order=int(late),
         note=note,
@@ -184,10 +180,14 @@ def _differing(
     rows: RowFile, order: Int[np.ndarray, " n"], first: Bool[np.ndarray, " n"]
 ) -> int:
     """How many repeated samples differ from the one with their stamp that is kept."""
-    count = 0
-    for repeated, kept in _pairs(order, first):
-        count += int(np.count_nonzero(~_same(rows, repeated, kept)))
-    return count
+    repeated, leaders = np.flatnonzero(~first), np.flatnonzero(first)
+    kept = leaders[np.searchsorted(leaders, repeated) - 1]
+    batches = (
+        slice(start, start + _BATCH_ROWS)
+        for start in range(0, repeated.size, _BATCH_ROWS)
+    )
+    same = (_same(rows, order[repeated[k]], order[kept[k]]) for k in batches)
+    return sum(int(np.count_nonzero(~each)) for each in same)
 
 
 def _same(
@@ -196,17 +196,6 @@ def _same(
     """Whether samples, by their numbers, have the same values as others."""
     a, b = rows.gather(some), rows.gather(others)
     return ((a == b) | (np.isnan(a) & np.isnan(b))).all(axis=1)
-
-
-def _pairs(
-    order: Int[np.ndarray, " n"], first: Bool[np.ndarray, " n"]
-) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    repeated = np.flatnonzero(~first)
-    leaders = np.flatnonzero(first)
-    for start in range(0, repeated.size, _BATCH_ROWS):
-        batch = repeated[start : start + _BATCH_ROWS]
-        leader = leaders[np.searchsorted(leaders, batch) - 1]
-        yield order[batch], order[leader]
 
 
 def check_times(place: str, all_timed: list[Timed]) -> None:

@@ -23,6 +23,8 @@ from orbident.recordings.topics.fields import Table
 
 _BATCH_ROWS = 8192
 
+Stamps = Int[np.ndarray, " _"]
+
 
 def _without_name(folder: Path) -> IO[bytes]:
     return tempfile.TemporaryFile(dir=folder)
@@ -93,17 +95,6 @@ class Values:
     """Samples whose quaternion is zeros: a tracker that sees nothing."""
 
 
-@dataclass(frozen=True, eq=False)
-class Arrived:
-    """The samples with their times."""
-
-    values: Values
-    stamps: Int[np.ndarray, " n"]
-    """Stamps of the headers, ns; 0 where there is none."""
-    received: Int[np.ndarray, " n"]
-    """When recorded, ns."""
-
-
 class Track:
     """Collects the samples of one entry."""
 
@@ -151,8 +142,11 @@ class Track:
             self._received.frombytes(received[rows].tobytes())
             self._keep(raw[rows].copy())
 
-    def finished(self, bag: str) -> Arrived:
+    def finished(self, bag: str) -> tuple[Values, Stamps, Stamps]:
         """Everything that came; to be called once.
+
+        Beside the samples there are the stamps of their headers, 0 where there is none,
+        and when they were recorded, ns.
 
         Raises:
             InputError: Nothing came, a label never occurs, a column never has a
@@ -202,14 +196,14 @@ class Track:
             not_finite=max(self._with_gaps - gaps - self._zeros, 0),
             zeros=self._zeros,
         )
-        arrived = Arrived(
-            values,
-            np.frombuffer(self._stamps, dtype=np.int64),
-            np.frombuffer(self._received, dtype=np.int64),
-        )
+        stamps, received = self._stamps, self._received
         # Times are sorted once, and then these are no longer needed.
         self._stamps, self._received = array("q"), array("q")
-        return arrived
+        return (
+            values,
+            np.frombuffer(stamps, np.int64),
+            np.frombuffer(received, np.int64),
+        )
 
     def _check_labels(self, place: str) -> None:
         seen = sorted({label for labels in self._labels for label in labels})
