@@ -18,21 +18,15 @@ def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Sample
 
     Times `t`, s, are evenly spaced and more than `2 HALF`; the samples are finite.
     """
-    first, second = _weights(t, HALF)
+    k = np.delete(np.arange(-HALF, HALF + 1), HALF) / HALF
+    by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
+    scale = HALF * float(np.median(np.diff(t)))
+    order = np.array([[1.0 / scale], [2.0 / scale**2]])
+    first, second = np.insert(by, HALF, 0.0, axis=1)[1:3] * order
     return _filtered(x, first), _filtered(x, second)
 
 
-def _weights(t: Float[np.ndarray, " n"], half: int) -> Float[np.ndarray, "2 around"]:
-    """What neighbours of a sample weigh in the first and second derivative there."""
-    k = np.delete(np.arange(-half, half + 1), half) / half
-    by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
-    scale = half * float(np.median(np.diff(t)))
-    order = np.array([[1.0 / scale], [2.0 / scale**2]])
-    return np.insert(by, half, 0.0, axis=1)[1:3] * order
-
-
 def _filtered(x: Samples, weights: Float[np.ndarray, " around"]) -> Samples:
-    half = weights.size // 2
-    padded = np.pad(x, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
-    columns = [np.correlate(axis, weights, "valid") for axis in padded.T]
-    return np.column_stack(columns)
+    """What neighbours of each sample give with their weights."""
+    padded = np.pad(x, ((HALF, HALF), (0, 0)), mode="reflect", reflect_type="odd")
+    return np.column_stack([np.correlate(axis, weights, "valid") for axis in padded.T])

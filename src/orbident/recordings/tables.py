@@ -38,46 +38,31 @@ def write_blocks(
         InputError: a folder that does not exist, or no permission.
     """
     schema = pa.schema([(name, pa.float64()) for name in names])
-    batches = (_batch(block, schema) for block in blocks)
-    with replacing(path) as temporary:
-        if path.suffix.lower() == ".csv":
-            _write_csv(batches, schema, temporary)
-        else:
-            _write_parquet(batches, schema, temporary)
+    with (
+        replacing(path) as temporary,
+        # Bytes: as text Arrow takes no name that is not UTF-8.
+        pa.OSFile(os.fsencode(temporary), "wb") as sink,
+        _writer(path, sink, schema) as writer,
+    ):
+        for block in blocks:
+            columns = [pa.array(column, from_pandas=True) for column in block.T]
+            writer.write_batch(pa.RecordBatch.from_arrays(columns, schema=schema))
 
 
-def _batch(block: np.ndarray, schema: pa.Schema) -> pa.RecordBatch:
-    columns = [pa.array(column, from_pandas=True) for column in block.T]
-    return pa.RecordBatch.from_arrays(columns, schema=schema)
-
-
-def _write_csv(
-    batches: Iterable[pa.RecordBatch], schema: pa.Schema, path: Path
-) -> None:
+def _writer(
+    path: Path, sink: pa.NativeFile, schema: pa.Schema
+) -> arrow_csv.CSVWriter | parquet.ParquetWriter:
+    if path.suffix.lower() != ".csv":
+        # Measured values hardly repeat: a dictionary would cost time and memory only.
+        return parquet.ParquetWriter(
+            sink, schema, compression="zstd", use_dictionary=False
+        )
     header = io.StringIO()
     csv.writer(header, lineterminator="\n").writerow(schema.names)
+    sink.write(header.getvalue().encode())
     # Arrow prints the shortest decimal that reads back as the same float64.
     options = arrow_csv.WriteOptions(include_header=False)
-    # Bytes: as text Arrow takes no name that is not UTF-8.
-    with pa.OSFile(os.fsencode(path), "wb") as sink:
-        sink.write(header.getvalue().encode())
-        with arrow_csv.CSVWriter(sink, schema, write_options=options) as writer:
-            for batch in batches:
-                writer.write_batch(batch)
-
-
-def _write_parquet(
-    batches: Iterable[pa.RecordBatch], schema: pa.Schema, path: Path
-) -> None:
-    # Measured values hardly repeat: a dictionary would cost time and memory only.
-    with (
-        pa.OSFile(os.fsencode(path), "wb") as sink,
-        parquet.ParquetWriter(
-            sink, schema, compression="zstd", use_dictionary=False
-        ) as writer,
-    ):
-        for batch in batches:
-            writer.write_batch(batch)
+    return arrow_csv.CSVWriter(sink, schema, write_options=options)
 
 
 _BATCH_ROWS = 16_384

@@ -20,7 +20,7 @@ from orbident.estimation.signals import Signal, Signals
 from orbident.files.replacing import replacing
 from orbident.model.kinematics import poses
 from orbident.model.rotations import UNTURNED, quaternion_matrix, rotate
-from orbident.recordings.bags.libraries import McapWriter, Stores, get_typestore
+from orbident.recordings.bag import McapWriter, Stores, get_typestore
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.replay import MotionHistory, predicted_motion

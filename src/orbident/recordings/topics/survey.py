@@ -23,7 +23,7 @@ from orbident.recordings.topics.messages import MESSAGE_TYPES
 from orbident.recordings.topics.targets import TIMES
 
 if TYPE_CHECKING:
-    from orbident.recordings.bags.topic import Topic
+    from orbident.recordings.bag import Topic
 
 _BAGS = (".bag", ".mcap", ".db3")
 
@@ -47,7 +47,7 @@ def open_source(path: Path) -> AbstractContextManager[Source]:
             f"{', '.join(known)}, or the folder of a ROS 2 bag or of NASA's 42"
         )
     # Late, because its libraries are an extra.
-    from orbident.recordings.bags.bag import open_bag
+    from orbident.recordings.bag import open_bag
 
     return open_bag(path)
 

@@ -25,7 +25,7 @@ from mcap.writer import IndexType
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from orbident.errors import InputError
-from orbident.recordings.bags.bag import _whole_until
+from orbident.recordings.bag import _whole_until
 from orbident.recordings.topics.convert import ConversionReport, convert_file
 from orbident.recordings.topics.survey import survey_file
 from orbident.recordings.topics.topic_map import proposed_map
@@ -310,7 +310,7 @@ def test_without_the_libraries(monkeypatch, library):
         if name.split(".")[0] == library:
             monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, library, None)
-    module = "orbident.recordings.bags.libraries"
+    module = "orbident.recordings.bag"
     monkeypatch.delitem(sys.modules, module, raising=False)
     with pytest.raises(InputError, match=rf'needs {library}: .* "orbident\[ros\]"'):
         importlib.import_module(module)

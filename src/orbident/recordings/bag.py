@@ -1,35 +1,150 @@
-"""A bag of any kind, open for reading: of ROS 1 or ROS 2, or a bare MCAP file."""
+"""A bag of any kind, open for reading: of ROS 1 or ROS 2, or a bare MCAP file.
+
+It says what its topics are, and how a message's bytes are read.
+"""
 
 import struct
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
 from orbident.errors import InputError
+from orbident.extras import extra
 from orbident.files.names import one_line
-from orbident.recordings.bags.libraries import (
-    McapChannel,
-    McapEnd,
-    McapIndex,
-    McapSchema,
-    McapStream,
-    Ros1Header,
-    Ros1Reader,
-    Ros1Record,
-    Ros2Reader,
-    read_bytes,
-    read_uint32,
-)
-from orbident.recordings.bags.topic import Topic, by_name, described, short_type
 from orbident.recordings.source import RawMessage, Source
+
+# The one import of these libraries, also of what writes bags.
+with extra("ros", "reading or writing a bag"):
+    from mcap.exceptions import EndOfFile as McapEnd
+    from mcap.reader import NonSeekingReader as McapStream
+    from mcap.reader import SeekingReader as McapIndex
+    from mcap.records import Channel as McapChannel
+    from mcap.records import Schema as McapSchema
+    from mcap.writer import Writer as McapWriter  # noqa: F401
+    from rosbags.interfaces import MessageDefinitionFormat, TopicInfo
+    from rosbags.rosbag1 import Reader as Ros1Reader
+    from rosbags.rosbag1.reader import Header as Ros1Header
+    from rosbags.rosbag1.reader import RecordType as Ros1Record
+    from rosbags.rosbag1.reader import read_bytes, read_uint32
+    from rosbags.rosbag2 import Reader as Ros2Reader
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from rosbags.typesys.store import Typestore
 
 _MAGIC = b"\x89MCAP0\r\n"
 _FOOTER = 2
 """The number of the record that comes last, before the magic once more."""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One topic of a bag."""
+
+    name: str
+    type: str
+    """Without `/msg/`: `sensor_msgs/Imu`."""
+    count: int
+    """Messages."""
+    encoding: str
+    """`ros1` and `cdr` can be read."""
+    definition: str = field(repr=False)
+    """The message definition that the bag carries; empty where it has none."""
+
+    @property
+    def is_defined(self) -> bool:
+        """Whether its messages can be decoded."""
+        with suppress(InputError):
+            self.decoder("")
+            return True
+        return False
+
+    def decoder(self, place: str) -> Callable[[bytes], Any]:
+        """What turns a message's bytes into the message, or None if they are not one.
+
+        The bag's own definition of the type is used, else ROS's.
+
+        Raises:
+            InputError: the encoding is none of ROS, or the definition cannot be read.
+        """
+        name = self.type.replace("/", "/msg/")
+        known = {"ros1": Stores.ROS1_NOETIC, "cdr": Stores.ROS2_HUMBLE}
+        if self.encoding not in known:
+            raise InputError(
+                f"{place}: topic '{self.name}' is encoded as {self.encoding!r}; only "
+                "ROS messages (ros1, cdr) can be read"
+            )
+        if self.definition:
+            store = get_typestore(Stores.EMPTY)
+            try:
+                store.register(get_types_from_msg(self.definition, name))
+            except Exception as error:
+                raise InputError(
+                    f"{place}: topic '{self.name}': the definition of {self.type} "
+                    f"cannot be read ({one_line(error)})"
+                ) from error
+            for part, field in _missing(store):
+                raise InputError(
+                    f"{place}: topic '{self.name}': its {self.type} is not ROS's: "
+                    f"{part} has no '{field}' as it has there; convert its messages "
+                    "to the standard type"
+                )
+        else:
+            store = get_typestore(known[self.encoding])
+            if name not in store.fielddefs:
+                raise InputError(
+                    f"{place}: topic '{self.name}': the file has no definition of "
+                    f"{self.type}; record as MCAP, or by ROS 2 from Jazzy on"
+                )
+        read = (
+            store.deserialize_ros1 if self.encoding == "ros1" else store.deserialize_cdr
+        )
+
+        def decoded(data: bytes) -> Any:
+            # Bytes that are not of their type raise errors of many kinds.
+            with suppress(Exception):
+                return read(data, name)
+            return None
+
+        return decoded
+
+
+def _missing(store: Typestore) -> Iterator[tuple[str, str]]:
+    """Types of ROS as a bag defines them, and fields that each lacks or has changed.
+
+    A ROS 1 header has all that a ROS 2 header has, and so have the other types.
+    """
+    standard = get_typestore(Stores.ROS2_HUMBLE).fielddefs
+    for name, (_, fields) in store.fielddefs.items():
+        _, expected = standard.get(name, ([], []))
+        for one in expected:
+            if one not in fields:
+                yield short_type(name), one[0]
+
+
+def by_name(topics: Iterable[Topic]) -> dict[str, Topic]:
+    """One topic for all of its name."""
+    found: dict[str, Topic] = {}
+    for each in topics:
+        same = found.get(each.name, replace(each, count=0))
+        kind = each.type if each.type == same.type else f"{same.type} and {each.type}"
+        found[each.name] = replace(each, type=kind, count=same.count + each.count)
+    return found
+
+
+def short_type(name: str) -> str:
+    """`sensor_msgs/msg/Imu` as ROS 1 writes it: `sensor_msgs/Imu`."""
+    return name.replace("/msg/", "/")
+
+
+def described(name: str, info: TopicInfo, encoding: str) -> Topic:
+    """A topic as the library rosbags describes it."""
+    types = sorted({short_type(each.msgtype) for each in info.connections})
+    plain = info.msgdef.format == MessageDefinitionFormat.MSG
+    text = info.msgdef.data if plain else ""
+    return Topic(name, " and ".join(types), info.msgcount, encoding, text)
 
 
 @contextmanager
@@ -110,12 +225,8 @@ def _indexed(file: BinaryIO) -> dict[str, Topic]:
         return {}
     counts = summary.statistics.channel_message_counts
     return by_name(
-        _topic(
-            channel,
-            summary.schemas.get(channel.schema_id),
-            counts.get(channel.id, 0),
-        )
-        for channel in summary.channels.values()
+        _topic(each, summary.schemas.get(each.schema_id), counts.get(each.id, 0))
+        for each in summary.channels.values()
     )
 
 
@@ -129,15 +240,12 @@ def _scanned(whole: _Beginning) -> dict[str, Topic]:
 
 
 def _topic(channel: McapChannel, schema: McapSchema | None, count: int) -> Topic:
-    kind, definition = _schema(schema)
+    kind, definition = "no schema", ""
+    if schema is not None:
+        kind = short_type(schema.name)
+        text = schema.encoding in {"ros1msg", "ros2msg"}
+        definition = schema.data.decode() if text else ""
     return Topic(channel.topic, kind, count, channel.message_encoding, definition)
-
-
-def _schema(schema: McapSchema | None) -> tuple[str, str]:
-    if schema is None:
-        return "no schema", ""
-    text = schema.encoding in {"ros1msg", "ros2msg"}
-    return short_type(schema.name), schema.data.decode() if text else ""
 
 
 class _WithoutIndex(Ros1Reader):
@@ -247,11 +355,7 @@ def open_ros2_folder(path: Path) -> Iterator[Source]:
 
 
 _FILES = {".bag": open_ros1, ".mcap": open_mcap, ".db3": open_ros2}
-_REPAIRS = {
-    ".bag": "rosbag reindex",
-    ".mcap": "mcap recover",
-    "": "ros2 bag reindex",
-}
+_REPAIRS = {".bag": "rosbag reindex", ".mcap": "mcap recover", "": "ros2 bag reindex"}
 
 
 @contextmanager
@@ -261,10 +365,12 @@ def open_bag(path: Path) -> Iterator[Source]:
     Raises:
         InputError: it is none, it is damaged, or it has no messages.
     """
-    opening = _opening(path)
+    if not (path.is_dir() or path.stat().st_size):
+        raise InputError(f"{path}: is empty; record again")
+    opened = open_ros2_folder if path.is_dir() else _FILES[path.suffix.lower()]
     with ExitStack() as stack:
         try:
-            source = stack.enter_context(opening)
+            source = stack.enter_context(opened(path))
         except InputError:
             raise
         except PermissionError as error:
@@ -279,21 +385,11 @@ def open_bag(path: Path) -> Iterator[Source]:
         def messages(names: Collection[str]) -> Iterator[RawMessage]:
             # What the libraries raise over damaged bytes is of any kind.
             try:
-                stored = iter(source.messages(names))
-                while (message := next(stored, None)) is not None:
-                    yield message
+                yield from source.messages(names)
             except Exception as error:
                 raise InputError(_damaged(path, error)) from error
 
         yield replace(source, messages=messages)
-
-
-def _opening(path: Path) -> AbstractContextManager[Source]:
-    if path.is_dir():
-        return open_ros2_folder(path)
-    if path.stat().st_size == 0:
-        raise InputError(f"{path}: is empty; record again")
-    return _FILES[path.suffix.lower()](path)
 
 
 def _damaged(path: Path, error: Exception) -> str:

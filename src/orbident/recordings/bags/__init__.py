@@ -1,1 +1,0 @@
-"""ROS bags and MCAP files: their topics, and a stream of messages."""
