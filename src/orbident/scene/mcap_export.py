@@ -7,7 +7,6 @@ files are MCAP, and hold the definitions of their messages.
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -43,12 +42,8 @@ class MessageLog:
         self._writer = writer
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
-        self._counts: Counter[str] = Counter()
-
-    @property
-    def counts(self) -> Mapping[str, int]:
+        self.counts: Counter[str] = Counter()
         """Messages so far, by topic."""
-        return dict(self._counts)
 
     def write(self, topic: str, written: Any, time: int) -> None:
         """Add a message.
@@ -56,32 +51,17 @@ class MessageLog:
         All messages of a topic have one type. The time, when it was measured, is in ns
         and not negative.
         """
-        kind = written.__msgtype__
-        if topic not in self._channels:
-            schema = self._schemas.get(kind) or self._registered(kind)
+        kind, writer = written.__msgtype__, self._writer
+        if kind not in self._schemas:
+            text, _ = ROS2.generate_msgdef(kind, ros_version=2)
+            schema = writer.register_schema(kind, "ros2msg", text.encode())
             self._schemas[kind] = schema
-            self._channels[topic] = self._writer.register_channel(topic, "cdr", schema)
+        if topic not in self._channels:
+            channel = writer.register_channel(topic, "cdr", self._schemas[kind])
+            self._channels[topic] = channel
         data = bytes(ROS2.serialize_cdr(written, kind))
-        self._writer.add_message(self._channels[topic], time, data, time)
-        self._counts[topic] += 1
-
-    def _registered(self, kind: str) -> int:
-        text, _ = ROS2.generate_msgdef(kind, ros_version=2)
-        return self._writer.register_schema(kind, "ros2msg", text.encode())
-
-
-@contextmanager
-def writing_mcap(path: Path) -> Iterator[MessageLog]:
-    """An MCAP file that is there once the block ends; an existing one is replaced.
-
-    Raises:
-        InputError: it cannot be written there.
-    """
-    with replacing(path) as target, target.open("wb") as file:
-        writer = McapWriter(file)
-        writer.start(profile="ros2", library="orbident")
-        yield MessageLog(writer)
-        writer.finish()
+        writer.add_message(self._channels[topic], time, data, time)
+        self.counts[topic] += 1
 
 
 WORLD, PREDICTED, FEATURE_FRAME = "world", "predicted/", "feature_point"
@@ -123,7 +103,10 @@ def write_mcap(
     t_0 = replay.measured.t[0]
     # Times of ROS begin with zero.
     shift = 0.0 if t_0 >= 0 and replay.measured.t[-1] < LATEST else t_0
-    with writing_mcap(path) as log:
+    with replacing(path) as target, target.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start(profile="ros2", library="orbident")
+        log = MessageLog(writer)
         start = _nanoseconds(t_0 - shift)
         _write_once(log, result, start)
         for k, (name, motion) in enumerate(motions.items()):
@@ -133,7 +116,8 @@ def write_mcap(
                 progress((k + done) / len(motions))
         for signal in signals:
             _write_signal(log, signal, shift)
-        return log.counts
+        writer.finish()
+        return dict(log.counts)
 
 
 def _write_once(log: MessageLog, result: Result, start: int) -> None:

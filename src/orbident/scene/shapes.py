@@ -1,18 +1,18 @@
-"""Triangles and their colour: all that a picture of a robot is made of."""
+"""Triangles and their colour, of simple bodies, meshes, and what a URDF shows."""
 
+import io
+import logging
 import xml.etree.ElementTree as ET
+import zipfile
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.extras import MissingLibraryError
+from orbident.extras import MissingLibraryError, extra
 from orbident.files.bounds import LARGEST
-from orbident.robot.description import Robot
-from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
 from orbident.robot.urdf import rotation_of
-from orbident.scene.mesh_files import mesh_file, read_mesh
 
 Colour = tuple[int, int, int]
 
@@ -131,70 +131,104 @@ def z_towards(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return np.column_stack([x, np.cross(direction, x), direction])
 
 
-THIN = 0.025
-"""Radius of a rod, of the robot's size."""
-STRAIGHT = 0.01
-"""Products of inertia below this part of the largest moment turn no box."""
+MOST_BYTES = 50_000_000
+"""A larger file, or unpacked archive, is no picture of a link but a survey of it."""
+KINDS = frozenset({"3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl", "zae"})
+"""Suffixes of meshes; trimesh also reads drawings and archives of anything."""
+
+# What is wrong with a mesh costs this mesh, without trimesh's words about it.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
+
+Mesh = tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]
 
 
-def robot_size(robot: Robot) -> float:
-    """The longest way from S along the joints to a joint or a CM, m."""
-    reach = np.zeros(len(robot.bodies))
-    for k, joint in enumerate(robot.joints):
-        reach[k + 1] = reach[joint.parent] + np.linalg.norm(joint.p_PJ)
-    ends = [reach[i] + np.linalg.norm(_com(robot, i)) for i in range(reach.size)]
-    base = np.linalg.norm(_even_lengths(robot.theta[0])[0]) / 2
-    return float(max(*ends, base)) or 1.0
+def mesh_file(name: str, folder: Path) -> Path | None:
+    """The file that a URDF in this folder means; None where there is none.
 
-
-def made_shapes(robot: Robot, body: int, size: float) -> list[Shape]:
-    """A body from what momentum knows of it: joints, CM and inertia.
-
-    The base is the box of even density that has its inertia, with rods to its joints. A
-    link is a rod from its joint to each next one; the last one ends as far behind its
-    CM as the CM is from its joint. The size is that of the robot, m, whose nominal
-    inertia counts.
+    A mesh lies in the robot's own folder or in a package, links followed, or it is not
+    read: a robot from a stranger names no other file of the user. The package of
+    `package://PACKAGE/PATH` is looked for among and beside all folders above, as a
+    workspace has it.
     """
-    com = _com(robot, body)
-    joints = [joint.p_PJ for joint in robot.joints if joint.parent == body]
-    if body == 0:
-        lengths, R = _even_lengths(robot.theta[0])
-        base = box(np.maximum(lengths, 0.05 * size), BASE)
-        shapes, start, ends, colour = [base.moved(0, R, com)], com, joints, BASE
-    else:
-        colour = LINKS[(body - 1) % len(LINKS)]
-        # A short cylinder along the joint's axis.
-        axis = z_towards(robot.joints[body - 1].axis)
-        hub = cylinder(1.4 * THIN * size, 3 * THIN * size, BASE)
-        shapes = [hub.moved(0, axis, np.zeros(3))]
-        start, ends = np.zeros(3), joints or [2 * com]
-    shapes += [
-        rod(start, end, THIN * size, colour)
-        for end in ends
-        if np.linalg.norm(end - start) > THIN * size
-    ]
-    return [shape._replace(frame=body) for shape in shapes]
+    own, prefix = _own_folder(folder), "package://"
+    if not name.startswith(prefix):
+        return _inside(own, folder / name.removeprefix("file://"))
+    package, _, path = name.removeprefix(prefix).partition("/")
+    if package in {"", ".", ".."}:
+        return None
+    above = (folder, *folder.absolute().parents)
+    packages = [each / package for each in above if _is_package(each / package)]
+    packages += [own] * (own.name == package)
+    found = (_inside(each, each / path) for each in packages)
+    return next((mesh for mesh in found if mesh), None)
 
 
-def _com(robot: Robot, body: int) -> Float[np.ndarray, "3"]:
-    theta_i = robot.theta[body]
-    return theta_i[FIRST_MOMENT] / theta_i[MASS] if theta_i[MASS] else np.zeros(3)
+def _own_folder(folder: Path) -> Path:
+    """The robot's: the package that holds the URDF, else the folder of the URDF.
+
+    A folder named `urdf` has the meshes beside it, as in a package.
+    """
+    absolute = folder.absolute()
+    package = next((p for p in (absolute, *absolute.parents) if _is_package(p)), None)
+    return package or (absolute.parent if absolute.name == "urdf" else absolute)
 
 
-def _even_lengths(
-    theta_i: Float[np.ndarray, "10"],
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
-    """Side lengths, m, and axes of the box of even density with this inertia."""
-    m = theta_i[MASS]
-    if m <= 0:
-        return np.zeros(3), np.eye(3)
-    I = inertia_about_com(theta_i)
-    moments, R = np.diag(I), np.eye(3)
-    if np.abs(I - np.diag(moments)).max() > STRAIGHT * np.abs(moments).max():
-        moments, R = np.linalg.eigh(I)
-    # I_k = m/12 (the other two lengths squared)
-    squares = 6 / m * (moments.sum() - 2 * moments)
-    return np.sqrt(np.maximum(squares, 0.0)), R
+def _is_package(folder: Path) -> bool:
+    try:
+        return (folder / "package.xml").is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _inside(folder: Path, path: Path) -> Path | None:
+    try:
+        usable = path.is_file() and path.stat().st_size <= MOST_BYTES
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):
+        return None
+    return path if usable and inside else None
+
+
+def read_mesh(path: Path) -> Mesh | None:
+    """Vertices and triangles; None where the file cannot be read as a mesh.
+
+    Raises:
+        MissingLibraryError: trimesh is not installed.
+    """
+    # Late: the import takes most of a second.
+    with extra("view", "drawing a mesh"):
+        import trimesh
+
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in KINDS:
+        return None
+    try:
+        content = path.read_bytes()
+        if _unpacked(content) > MOST_BYTES:
+            return None
+        # From memory, so that what the file refers to in its turn is not opened.
+        mesh = trimesh.load_mesh(io.BytesIO(content), file_type=kind)
+        if isinstance(mesh, trimesh.Scene):
+            mesh = mesh.to_mesh()
+        vertices, faces = np.array(mesh.vertices, float), np.array(mesh.faces, int)
+    except Exception:
+        # Of any kind: each of its many readers has its own, for what it trips over.
+        return None
+    if not len(faces) or not (np.abs(vertices) <= LARGEST).all():
+        return None
+    return vertices, faces
+
+
+def _unpacked(content: bytes) -> int:
+    """How many bytes a ZIP archive holds; none where the content is not one.
+
+    No more than what the archive declares for an entry is unpacked from it.
+    """
+    file = io.BytesIO(content)
+    if not zipfile.is_zipfile(file):
+        return 0
+    with zipfile.ZipFile(file) as archive:
+        return sum(entry.file_size for entry in archive.infolist())
 
 
 class LinkShapes(NamedTuple):

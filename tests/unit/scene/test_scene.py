@@ -10,8 +10,8 @@ from random_robots import DUAL_ARM, random_robot, random_wheels
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 from orbident.robot.robot_file import bundled_robots, load_robot
 from orbident.scene.replay import MotionHistory, placed
-from orbident.scene.scene import Scene, scene_of
-from orbident.scene.shapes import BASE, made_shapes, robot_size
+from orbident.scene.scene import Scene, made_shapes, robot_size, scene_of
+from orbident.scene.shapes import BASE
 
 BASE_LINK = (
     '<link name="base"><inertial><mass value="10"/>'

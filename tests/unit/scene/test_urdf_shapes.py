@@ -11,8 +11,7 @@ import trimesh
 from processes import finished
 from scipy.spatial.transform import Rotation
 
-from orbident.scene.mesh_files import MOST_BYTES, mesh_file, read_mesh
-from orbident.scene.shapes import BASE, link_shapes
+from orbident.scene.shapes import BASE, MOST_BYTES, link_shapes, mesh_file, read_mesh
 
 PLACE = '<origin xyz="1 2 3" rpy="0.3 -0.4 0.5"/>'
 
@@ -203,7 +202,7 @@ def test_a_bad_mesh_is_left_without_a_word_of_its_reader(tmp_path: Path):
     )
     code = (
         "from pathlib import Path\n"
-        "from orbident.scene.mesh_files import read_mesh\n"
+        "from orbident.scene.shapes import read_mesh\n"
         "read_mesh(Path('link.stl'))"
     )
     # In a process of its own: pytest has handlers of its own for all logs.

@@ -110,11 +110,11 @@ def _topic(dataset: object) -> str:
 
 
 def _of_topic(data: dict) -> Tree:
-    fields: dict[str, LogField | Tree] = {}
-    for name, values in data.items():
-        unit = "us" if name == "timestamp" else ""
-        fields[name.replace("[", ".").replace("]", "")] = in_memory(values, unit)
-    return fields
+    units = {"timestamp": "us"}
+    return {
+        name.replace("[", ".").replace("]", ""): in_memory(values, units.get(name, ""))
+        for name, values in data.items()
+    }
 
 
 def _cut_off(path: Path) -> tuple[str, ...]:
