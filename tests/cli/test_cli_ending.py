@@ -107,7 +107,7 @@ WRITING = """
 import sys, time
 from pathlib import Path
 from orbident.cli import app
-from orbident.files.folder_replacing import replacing_files
+from orbident.files.replacing import replacing_files
 from orbident.files.replacing import replacing
 def stubborn():
     run = replacing_files(Path("new/run"), ["a"])

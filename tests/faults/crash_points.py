@@ -19,9 +19,7 @@ from made_results import exact_result
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signal
-from orbident.files.folder_replacing import is_committed
-from orbident.files.replacing import UNFINISHED
-from orbident.files.text import write_text
+from orbident.files.replacing import UNFINISHED, is_committed, write_text
 from orbident.identified.run_folder import REPLAY, REPORT, load_result, saving
 from orbident.robot.robot_file import load_robot
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from crash_points import MEMORY, NEW, OLD, check_complete, leftovers, save
 
 from orbident.errors import InputError
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 
 LASTS = 3.0
 """Seconds: some hundred replacements."""

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import processes
 
 from orbident.errors import InputError
-from orbident.files.replacing import UNFINISHED
-from orbident.files.text import write_text
+from orbident.files.replacing import UNFINISHED, write_text
 from orbident.identified.run_folder import check_absent, load_result
 
 OLD = "run"

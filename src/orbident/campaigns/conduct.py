@@ -40,8 +40,8 @@ from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.estimation.results import versions
-from orbident.files.replacing import writing
-from orbident.files.text import read_text, sha256, write_text
+from orbident.files.replacing import write_text, writing
+from orbident.files.text import read_text, sha256
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording

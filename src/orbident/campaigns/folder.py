@@ -26,10 +26,16 @@ from orbident.campaigns.spec import PAPER, RobotEntry, Spec, SpecFile, load_spec
 from orbident.errors import InputError
 from orbident.estimation.checks import LEVELS
 from orbident.estimation.results import versions
-from orbident.files.folder_replacing import finish, replacing_files
 from orbident.files.names import quoted
-from orbident.files.replacing import locked, replacing, writing
-from orbident.files.text import read_text, sha256, write_text
+from orbident.files.replacing import (
+    finish,
+    locked,
+    replacing,
+    replacing_files,
+    write_text,
+    writing,
+)
+from orbident.files.text import read_text, sha256
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot

@@ -94,7 +94,7 @@ def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], A
     from dataclasses import replace
 
     from orbident.cli.identify import keep
-    from orbident.files.folder_replacing import replacing_files
+    from orbident.files.replacing import replacing_files
     from orbident.files.text import sha256
 
     with replacing_files(out, FLIGHTS) as new:

@@ -171,7 +171,7 @@ SUFFIXES = (*MODELS, *CODE, ".mcap", ".mat", ".csv", ".tex", ".json")
 
 def write_model(output: Any, result: Any, out: Path) -> None:
     """The robot of bodies that can exist; status 1 where there are none."""
-    from orbident.files.text import write_text
+    from orbident.files.replacing import write_text
     from orbident.identified.exported_robot import NoBodiesError, exported_robot
 
     suffix = out.suffix.lower()
@@ -214,7 +214,7 @@ def _model_text(made: Any, suffix: str) -> tuple[str, str]:
 
 def write_code(output: Any, result: Any, out: Path) -> None:
     """`H+` and `c+` as functions in another language."""
-    from orbident.files.text import write_text
+    from orbident.files.replacing import write_text
     from orbident.identified.generated_code import equations_as_c, equations_as_matlab
     from orbident.model.core_robot import lacking_rotors
 
@@ -232,7 +232,7 @@ def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
     """`H+` and Jacobians in one configuration, as JSON."""
     from json import dumps
 
-    from orbident.files.text import write_text
+    from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import matrices_at
 
     document = matrices_at(result, q)
@@ -246,7 +246,7 @@ def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
 
 def write_parameters(output: Any, result: Any, out: Path) -> None:
     """All parameters with their deviations, as CSV, LaTeX or MATLAB."""
-    from orbident.files.text import write_text
+    from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import (
         parameters_as_csv,
         parameters_as_latex,

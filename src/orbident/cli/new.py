@@ -40,8 +40,8 @@ def new(
 ) -> None:
     """Write a robot file to edit, beside a URDF or without one."""
     from orbident.files.names import counted
-    from orbident.files.replacing import check_free
-    from orbident.files.text import name_of, write_text
+    from orbident.files.replacing import check_free, write_text
+    from orbident.files.text import name_of
     from orbident.robot.formats.model_file import KINDS, SUFFIXES
     from orbident.robot.new_robot_file import new_robot_text, robot_text_of_model
 

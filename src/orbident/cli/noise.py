@@ -41,6 +41,8 @@ def noise(
     For each axis of gyro, accelerometer, attitude and position: white noise and, where
     the samples show it, noise that lasts.
     """
+    import yaml
+
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.noise.rest_noise import noise_table, rest_noise, sensor_section
@@ -56,9 +58,11 @@ def noise(
         from orbident.report.allan import write_allan
 
         write_allan(found, rest.name, plot)
-    written = _yaml(section)
+    written = yaml.safe_dump(
+        {"sensors": section}, sort_keys=False, default_flow_style=None
+    )
     if out is not None:
-        from orbident.files.text import write_text
+        from orbident.files.replacing import write_text
 
         write_text(out, written)
     where = written.rstrip() if out is None else f"written: {out}"
@@ -77,14 +81,6 @@ def noise(
         where,
     )
     output.write_json({"axes": _document(found), "sensors": section})
-
-
-def _yaml(section: dict[str, Any]) -> str:
-    import yaml
-
-    return yaml.safe_dump(
-        {"sensors": section}, sort_keys=False, default_flow_style=None
-    )
 
 
 def _document(found: Any) -> dict[str, Any]:

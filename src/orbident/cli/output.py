@@ -14,8 +14,7 @@ from typing import Any
 from orbident.cli.options import Json, Quiet
 from orbident.cli.streams import warn, wipe
 from orbident.data_table import DataTable
-from orbident.files.replacing import check_place
-from orbident.files.text import write_text
+from orbident.files.replacing import check_place, write_text
 
 WIDTH = 110
 """Columns of a table, in a narrower terminal too: a number is never cut short. A tree,

@@ -169,7 +169,7 @@ def _keep(
     from dataclasses import replace
 
     from orbident.extras import MissingLibraryError
-    from orbident.files.folder_replacing import replacing_files
+    from orbident.files.replacing import replacing_files
     from orbident.files.text import sha256
 
     unmade = []

@@ -33,8 +33,8 @@ def topics(
 ) -> None:
     """List what another tool's file holds and propose a topic map."""
     from orbident.files.names import counted
-    from orbident.files.replacing import check_free
-    from orbident.files.text import read_text, write_text
+    from orbident.files.replacing import check_free, write_text
+    from orbident.files.text import read_text
     from orbident.recordings.topics.presets import known_preset, preset_path
     from orbident.recordings.topics.topic_map import proposed_map
 

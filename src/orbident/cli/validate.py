@@ -70,8 +70,8 @@ def keep_scores(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
     """Keep the scores in the RUN for its report, where that may be written."""
     import json
 
-    from orbident.files.replacing import locked
-    from orbident.files.text import name_of, sha256, write_text
+    from orbident.files.replacing import locked, write_text
+    from orbident.files.text import name_of, sha256
     from orbident.identified.run_folder import VALIDATION
 
     origin = {"file": name_of(recording), "sha256": sha256(recording)}

@@ -6,7 +6,6 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
 from orbident.errors import InputError
-from orbident.files.replacing import replacing
 
 MOST = 2**28
 """Bytes of a text file: a device without an end would fill the memory."""
@@ -47,17 +46,6 @@ def read_text(path: Path) -> str:
 def name_of(path: Path) -> str:
     r"""A file's name as UTF-8 text, in which a byte that is none is shown as `\xff`."""
     return os.fsencode(path.name).decode(errors="backslashreplace")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Writes a file, or replaces it, whole or not at all.
-
-    Raises:
-        InputError: the folder does not exist, `path` is a folder, or the system
-            refuses to write there.
-    """
-    with replacing(path) as temporary:
-        temporary.write_bytes(text.encode())
 
 
 def sha256(path: Path) -> str:

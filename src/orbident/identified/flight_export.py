@@ -29,7 +29,7 @@ from orbident.estimation.recursive.filter import (
 from orbident.estimation.recursive.filter_input import filter_input_of
 from orbident.estimation.recursive.history import Detector, filter_history
 from orbident.estimation.result import Result
-from orbident.files.folder_replacing import replacing_files
+from orbident.files.replacing import replacing_files
 from orbident.identified.generated_code import template_text
 from orbident.model.equations_of_motion import check_regular
 from orbident.model.formulas import formulas_of

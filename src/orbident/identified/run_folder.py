@@ -22,16 +22,17 @@ from orbident.errors import InputError
 from orbident.estimation.result import SCHEMA, Result
 from orbident.estimation.signals import Signal, Signals
 from orbident.files.bounds import LARGEST
-from orbident.files.folder_replacing import (
+from orbident.files.names import quoted
+from orbident.files.replacing import (
+    UNFINISHED,
     finish,
     is_committed,
     is_unfinished,
     replacing_files,
+    write_text,
 )
-from orbident.files.names import quoted
-from orbident.files.replacing import UNFINISHED
 from orbident.files.schema_parts import validated
-from orbident.files.text import refuse_pipe, sha256, write_text
+from orbident.files.text import refuse_pipe, sha256
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_written_robot, write_robot
 

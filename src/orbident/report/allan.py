@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.checks import worst
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 from orbident.noise.noise_model import NoiseModel
 from orbident.noise.rest_noise import AxisNoise, noise_table
 from orbident.report.charts import (

@@ -22,7 +22,7 @@ from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
 from orbident.excitation.bound import bound_of
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.report.charts import (

@@ -14,8 +14,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
 from orbident.extras import extra
-from orbident.files.replacing import replacing
-from orbident.files.text import write_text
+from orbident.files.replacing import replacing, write_text
 from orbident.report.charts import Trace
 from orbident.report.conditioning import conditioning
 from orbident.report.convergence_section import convergence

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.text import read_text, write_text
+from orbident.files.replacing import write_text
+from orbident.files.text import read_text
 from orbident.identified.run_folder import REPLAY
 from orbident.recordings.recording import Recording
 from orbident.report.charts import Figure, numbers

@@ -10,7 +10,7 @@ from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.files.names import counted
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 from orbident.identified.run_folder import REPORT
 from orbident.preprocessing.low_pass import CutOff
 from orbident.report.charts import (

@@ -10,7 +10,7 @@ from orbident.data_table import Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS, Signals
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 from orbident.identified.prediction import WINDOW
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.identified.validate import SCORED

@@ -12,8 +12,9 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
+from orbident.files.replacing import write_text
 from orbident.files.schema_parts import read_yaml_mapping, validated
-from orbident.files.text import read_text, refuse_pipe, write_text
+from orbident.files.text import read_text, refuse_pipe
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.description import (

@@ -14,7 +14,7 @@ from orbident.choices import SensorNoise
 from orbident.environment.agent import World
 from orbident.environment.orbital import seen_from_base
 from orbident.errors import InputError
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 from orbident.model.equations_of_motion import check_regular
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording

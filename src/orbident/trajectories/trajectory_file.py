@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.bounds import MOST_RECORDINGS
+from orbident.files.replacing import write_text
 from orbident.files.schema_parts import (
     MappingSchema,
     Number,
@@ -20,7 +21,7 @@ from orbident.files.schema_parts import (
     read_yaml_mapping,
     validated,
 )
-from orbident.files.text import read_text, write_text
+from orbident.files.text import read_text
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from orbident.errors import InputError
-from orbident.files.folder_replacing import (
+from orbident.files.replacing import (
     STAGED,
     finish,
     is_committed,
     is_unfinished,
     replacing_files,
+    write_text,
 )
-from orbident.files.text import write_text
 
 OURS = ("a", "below/b", "c")
 

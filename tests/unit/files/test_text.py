@@ -3,7 +3,8 @@ from pathlib import Path
 import pytest
 
 from orbident.errors import InputError
-from orbident.files.text import read_text, write_text
+from orbident.files.replacing import write_text
+from orbident.files.text import read_text
 
 
 def test_round_trip_keeps_line_ends(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 from small_campaigns import begun
 
 from orbident.campaigns.folder import FAILED, Campaign, schema_of
-from orbident.files.text import write_text
+from orbident.files.replacing import write_text
 from orbident.report.campaign_page import campaign_report
 
 N = 60
