@@ -183,8 +183,7 @@ def _report(begun: Any, folder: Path) -> list[str]:
 def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
     return [
         f"{folder}: {done.runs} of {done.of} runs made, {done.failed} of them failed",
-        *([""] if done.runs else []),
-        *([_levels(begun, folder)] if done.runs else []),
+        *(["", _levels(begun, folder)] if done.runs else []),
     ]
 
 

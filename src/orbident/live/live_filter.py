@@ -360,7 +360,6 @@ class LiveFilter:
                     at.counts[SPIKES] += 1
             self._accept(ran)
             running = self._followed(ran, samples[done - 1])
-            at.running = running
         return done
 
     def _accept(self, ran: Ran) -> None:

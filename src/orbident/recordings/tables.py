@@ -199,7 +199,7 @@ def open_recording(path: str | os.PathLike[str]) -> Recording | LongRecording:
     """
     path = Path(path)
     with _readable(path):
-        if _rows_at_most(path) < LARGE or (rows := _rows(path)) < LARGE:
+        if (rows := _rows(path)) < LARGE:
             return read_recording(path)
 
     def batches() -> Iterator[dict[str, np.ndarray]]:
@@ -250,15 +250,12 @@ def _is_csv(path: Path) -> bool:
     return path.suffix.lower() == ".csv"
 
 
-def _rows_at_most(path: Path) -> int:
-    """A row of CSV has two characters at least: few bytes are few rows."""
-    return path.stat().st_size // 2 if _is_csv(path) else parquet_rows(path)
-
-
 def _rows(path: Path) -> int:
+    """How many rows there are; of CSV with fewer than `LARGE`, any number below it."""
     if not _is_csv(path):
         return parquet_rows(path)
-    if csv_lines(path) < LARGE:
+    # A row has two characters at least: few bytes are few rows.
+    if path.stat().st_size // 2 < LARGE or csv_lines(path) < LARGE:
         return 0
     return sum(batch["t"].size for batch in csv_batches(path, {"t"}.__contains__))
 

@@ -236,12 +236,9 @@ def open_server(host: str, port: int) -> Served:
     server.gui.configure_theme(show_logo=False, show_share_button=False)
     # Beside the robot, not before it; on a phone below it.
     server.gui.main_panel.dock_right()
-    return Served(server, _address(host, server.get_port(), gate), gate.is_open)
-
-
-def _address(host: str, port: int, gate: Gate) -> str:
-    name = host if gate.names else socket.gethostname()
-    return f"http://{in_address(name)}:{port}{gate.path}"
+    name = in_address(host if gate.names else socket.gethostname())
+    url = f"http://{name}:{server.get_port()}{gate.path}"
+    return Served(server, url, gate.is_open)
 
 
 def keep_moving(page: Page) -> None:

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -99,16 +99,13 @@ class Entry(MappingSchema):
     time: Literal["header", "receive"] = "header"
     offset: Annotated[float, BeforeValidator(_offset)] = 0.0
     """s, added to its times: by how much its clock is behind."""
+    other_time: ClassVar[str] = "receive"
+    """What the time is called that is none of a header."""
 
     @property
     def sender_time(self) -> str:
         """What the sender's time is called."""
         return "header"
-
-    @property
-    def other_time(self) -> str:
-        """What the time is called that is none of a header."""
-        return "receive"
 
     @property
     def counts(self) -> tuple[int, ...]:

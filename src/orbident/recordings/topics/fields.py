@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
 from itertools import accumulate
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -217,17 +217,13 @@ class Table(Fields):
 
     stamp: Annotated[Mapping[str, str], BeforeValidator(stamp_fields)] = Field()
     time: Literal["header", "receive"] = "receive"
+    other_time: ClassVar[str] = "stamp"
 
     @model_validator(mode="after")
     def _no_other_time(self) -> "Table":
         if "time" in self.model_fields_set:
             raise InputError("time: a table's is in 'stamp'; leave this key out")
         return self
-
-    @property
-    def other_time(self) -> str:
-        """The time is a field."""
-        return "stamp"
 
     def rows(
         self, group: Group

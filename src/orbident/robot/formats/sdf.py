@@ -363,14 +363,9 @@ class _SdfReader:
         limit = axis.find("limit")
         if limit is None:
             return None, None
-        lower, upper, velocity = (
-            self._limit(limit, tag, default, where)
-            for tag, default in (
-                ("lower", -math.inf),
-                ("upper", math.inf),
-                ("velocity", -1.0),
-            )
-        )
+        lower = self._limit(limit, "lower", -math.inf, where)
+        upper = self._limit(limit, "upper", math.inf, where)
+        velocity = self._limit(limit, "velocity", -1.0, where)
         if lower > upper:
             raise InputError(
                 f"{where}: found lower limit {lower:g} above the upper limit "
