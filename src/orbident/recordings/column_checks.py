@@ -6,7 +6,7 @@ All that is wrong is told with its column and row, counted from 1.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
@@ -62,6 +62,11 @@ def as_column(source: str, name: str, values: object) -> np.ndarray:
     return column
 
 
+def _first(bad: Bool[np.ndarray, " n"]) -> int | None:
+    """The first of the bad ones; numbers of all might be as large as the column."""
+    return int(bad.argmax()) if bad.any() else None
+
+
 def check_time(source: str, t: np.ndarray) -> None:
     """Refuse times that are no times of samples, s.
 
@@ -71,25 +76,19 @@ def check_time(source: str, t: np.ndarray) -> None:
     """
     if t.size < 2:
         raise InputError(f"{source}: has {t.size} samples; at least 2 are needed")
-    # Indices of all bad rows would be as large as the times.
-    bad = ~np.isfinite(t)
-    if bad.any():
-        k = int(bad.argmax())
+    if (k := _first(~np.isfinite(t))) is not None:
         raise InputError(
             f"{source}: column 't', row {k + 1}: found {t[k]}; "
             "every row needs a time in seconds"
         )
-    far = np.abs(t) > LARGEST
-    if far.any():
-        k = int(far.argmax())
+    if (k := _first(np.abs(t) > LARGEST)) is not None:
         raise InputError(
             f"{source}: column 't', row {k + 1}: found {t[k]:g} s; give at "
             f"most {LARGEST:g}: is it in nanoseconds? divide it by 1e9"
         )
     steps = np.diff(t)
-    late = steps <= 0
-    if late.any():
-        k, step = int(late.argmax()) + 1, float32_step(t)
+    if (k := _first(steps <= 0)) is not None:
+        step = float32_step(t)
         remedy = (
             "times must be strictly increasing: sort the rows and drop repeated "
             "ones, or cut the recording here if its clock was set or restarted"
@@ -99,14 +98,12 @@ def check_time(source: str, t: np.ndarray) -> None:
                 f"they were kept as float32, in steps of {step:.2g} s: write float64"
             )
         raise InputError(
-            f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
-            f"{t[k - 1]} s; {remedy}"
+            f"{source}: column 't', row {k + 2}: {t[k + 1]} s does not come after "
+            f"{t[k]} s; {remedy}"
         )
-    short = steps < SHORTEST
-    if short.any():
-        k = int(short.argmax()) + 1
+    if (k := _first(steps < SHORTEST)) is not None:
         raise InputError(
-            f"{source}: column 't', row {k + 1}: {t[k] - t[k - 1]:.3g} s after the row "
+            f"{source}: column 't', row {k + 2}: {steps[k]:.3g} s after the row "
             f"before; give times in seconds, at least {SHORTEST:g} s apart"
         )
     step = (t[-1] - t[0]) / (t.size - 1)
@@ -130,10 +127,9 @@ def check_column(source: str, name: str, values: np.ndarray, samples: int) -> No
             f"{source}: column '{name}' has {values.size} rows but 't' has {samples}; "
             "give NaN where there is no sample"
         )
-    bad = np.flatnonzero(np.isinf(values))
-    if bad.size:
+    if (k := _first(np.isinf(values))) is not None:
         raise InputError(
-            f"{source}: column '{name}', row {bad[0] + 1}: found {values[bad[0]]}; "
+            f"{source}: column '{name}', row {k + 1}: found {values[k]}; "
             "leave the cell empty where there is no sample"
         )
 
@@ -153,12 +149,11 @@ def check_size(source: str, name: str, values: np.ndarray) -> None:
             f"{source}: column '{name}': nothing in it is above {largest:.3g}, which "
             "no sensor measures; give SI units, or 0 where nothing moves"
         )
-    huge = np.flatnonzero(size > LARGEST)
-    if huge.size:
+    if (k := _first(size > LARGEST)) is not None:
         raise InputError(
-            f"{source}: column '{name}', row {huge[0] + 1}: found "
-            f"{values[huge[0]]:g}; give at most {LARGEST:g} in SI units, or leave the "
-            "cell empty where there is no sample"
+            f"{source}: column '{name}', row {k + 1}: found {values[k]:g}; give at "
+            f"most {LARGEST:g} in SI units, or leave the cell empty where there is no "
+            "sample"
         )
 
 
@@ -190,9 +185,8 @@ def check_attitude(source: str, components: Sequence[np.ndarray]) -> None:
         for component in components:
             norm += np.square(component)
     np.sqrt(norm, out=norm)
-    bad = np.flatnonzero(np.abs(norm - 1.0) > QUATERNION_TOLERANCE)
-    if bad.size:
+    if (k := _first(np.abs(norm - 1.0) > QUATERNION_TOLERANCE)) is not None:
         raise InputError(
-            f"{source}: columns 'attitude.x' to '.w', row {bad[0] + 1}: norm "
-            f"{norm[bad[0]]:.6g}; give unit quaternions, scalar last"
+            f"{source}: columns 'attitude.x' to '.w', row {k + 1}: norm "
+            f"{norm[k]:.6g}; give unit quaternions, scalar last"
         )
