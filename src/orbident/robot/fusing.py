@@ -233,7 +233,11 @@ def fused(
             theta[parent.body] = theta[parent.body] + transformed(theta_link, R, p)
         else:
             placements[joint.child] = Placement(len(names), np.eye(3), np.zeros(3))
-            joints.append(_joint(joint, parent.body, R, p))
+            kind = "prismatic" if joint.kind == "prismatic" else "revolute"
+            limits = joint.position, joint.velocity
+            joints.append(
+                Joint(joint.name, kind, parent.body, joint.axis, R, p, *limits)
+            )
             names.append(joint.child)
             theta.append(theta_link)
     return Bodies(
@@ -268,24 +272,6 @@ def _depth_first(tree: LinkTree, root: str) -> Iterator[UrdfJoint]:
         joint = waiting.pop()
         yield joint
         waiting.extend(reversed(tree.children.get(joint.child, ())))
-
-
-def _joint(
-    joint: UrdfJoint,
-    parent: int,
-    R: Float[np.ndarray, "3 3"],
-    p: Float[np.ndarray, "3"],
-) -> Joint:
-    return Joint(
-        name=joint.name,
-        kind="prismatic" if joint.kind == "prismatic" else "revolute",
-        parent=parent,
-        axis=joint.axis,
-        R_PJ=R,
-        p_PJ=p,
-        position=joint.position,
-        velocity=joint.velocity,
-    )
 
 
 BALANCE = 1e-6
