@@ -66,6 +66,7 @@ def run(
 ) -> None:
     """Make the runs that are missing; the word 'run' may be left out."""
     from orbident.campaigns.conduct import conduct
+    from orbident.campaigns.executors import cluster as on_cluster
     from orbident.campaigns.executors import local
     from orbident.campaigns.folder import begin
     from orbident.campaigns.spec import load_spec
@@ -75,8 +76,6 @@ def run(
     if cluster is None:
         executors = local(workers or at_hand())
     else:
-        from orbident.campaigns.executors import cluster as on_cluster
-
         executors = on_cluster(cluster, workers or 1)
     file = load_spec(spec)
     begun = begin(file, out, lambda robot: paper_case(robot).trajectory)

@@ -314,14 +314,9 @@ def _conditions(
         )
         return given, paper
     source = None if like is None else oi.load_trajectory(like)
-    usual = DURATION if source is None else source.duration
-    return conditions_for(
-        robot,
-        usual if duration is None else duration,
-        harmonics,
-        within,
-        source,
-    ), None
+    if duration is None:
+        duration = DURATION if source is None else source.duration
+    return conditions_for(robot, duration, harmonics, within, source), None
 
 
 def _limits(entries: list[str]) -> dict[str, Any]:

@@ -250,12 +250,11 @@ def write_parameters(output: Any, result: Any, out: Path) -> None:
     from orbident.identified.parameter_files import (
         parameters_as_csv,
         parameters_as_latex,
+        write_mat,
     )
 
     suffix, more = out.suffix.lower(), ""
     if suffix == ".mat":
-        from orbident.identified.parameter_files import write_mat
-
         write_mat(result, out)
         more = "; covariances, and what was measured and predicted"
     elif suffix == ".tex":
