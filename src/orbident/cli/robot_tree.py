@@ -8,10 +8,7 @@ from rich.tree import Tree
 from orbident.robot.description import (
     NO_ROTOR,
     Coupling,
-    Friction,
-    GearedRotor,
     Joint,
-    Passive,
     Robot,
     Wheel,
 )
@@ -55,55 +52,36 @@ def robot_tree(robot: Robot) -> Tree:
 
 
 def driven_words(robot: Robot, joint: Joint) -> str:
-    """What is declared of its motor, its friction or its spring."""
-    rotor = _rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
-    passive = _passive_words(robot.passive.get(joint.name))
-    friction = _friction_words(robot.friction.get(joint.name))
-    return rotor + passive + _constant_words(robot, joint) + friction
-
-
-def _passive_words(passive: Passive | None) -> str:
-    """That nobody measures it, and how it swings."""
-    if passive is None:
-        return ""
-    return (
-        f", passive at {passive.frequency:.4g} Hz +- {100 * passive.tolerance:.3g} %, "
-        f"damped by {100 * passive.damping:.3g} %"
-    )
-
-
-def _friction_words(friction: Friction | None) -> str:
-    """What is declared of it, SI."""
-    if friction is None:
-        return ""
-    sure = "" if friction.tolerance is None else f" +- {100 * friction.tolerance:.3g} %"
-    return (
-        f", friction {friction.viscous:.4g} viscous, {friction.coulomb:.4g} Coulomb, "
-        f"offset {friction.offset:.4g}{sure}"
-    )
-
-
-def _constant_words(robot: Robot, joint: Joint) -> str:
-    """The torque constant of its motor, with its tolerance."""
-    constant = robot.torque_constants.get(joint.name)
-    if constant is None:
-        return ""
-    unit = "N m/A" if joint.kind == "revolute" else "N/A"
-    std = robot.tolerances.joint_torque_scale[joint.name]
-    return f", torque constant {constant:.4g} {unit} +- {100 * std:.3g} %"
+    """What is declared of its motor, its friction or its spring, SI."""
+    name, words = joint.name, ""
+    rotor = robot.rotors.get(name, NO_ROTOR)
+    if rotor.inertia:
+        words += (
+            f", rotor {rotor.inertia:.4g} kg m^2 +- {100 * rotor.tolerance:.3g} % "
+            f"behind {rotor.gear:.4g}"
+        )
+    if passive := robot.passive.get(name):
+        words += (
+            f", passive at {passive.frequency:.4g} Hz +- "
+            f"{100 * passive.tolerance:.3g} %, damped by {100 * passive.damping:.3g} %"
+        )
+    if (constant := robot.torque_constants.get(name)) is not None:
+        unit = "N m/A" if joint.kind == "revolute" else "N/A"
+        std = robot.tolerances.joint_torque_scale[name]
+        words += f", torque constant {constant:.4g} {unit} +- {100 * std:.3g} %"
+    if friction := robot.friction.get(name):
+        words += (
+            f", friction {friction.viscous:.4g} viscous, {friction.coulomb:.4g} "
+            f"Coulomb, offset {friction.offset:.4g}"
+        )
+        if friction.tolerance is not None:
+            words += f" +- {100 * friction.tolerance:.3g} %"
+    return words
 
 
 def wheel_words(wheel: Wheel) -> str:
     """Its inertia, its axis and its mode."""
     return f"{wheel.inertia:.4g} kg m^2 about {_vector(wheel.axis)}, {wheel.mode}"
-
-
-def _rotor_words(rotor: GearedRotor) -> str:
-    """What turns behind a gear, with its tolerance; nothing where nothing does."""
-    if not rotor.inertia:
-        return ""
-    sure = f"{100 * rotor.tolerance:.3g} %"
-    return f", rotor {rotor.inertia:.4g} kg m^2 +- {sure} behind {rotor.gear:.4g}"
 
 
 def sensor_lines(robot: Robot) -> Iterator[str]:
