@@ -2,23 +2,34 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from made_results import REFUSED
-from running import Orbident, resealed, worst_error, written
+from processes import ORBIDENT, finished
+from running import LINEAR, Orbident, resealed, worst_error, written
 from scipy.io import loadmat
 
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 
 
+@pytest.fixture(scope="module")
+def made(flight: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a RUN and its recording, which every test copies."""
+    folder = tmp_path_factory.mktemp("made")
+    written(flight, folder / "r.parquet")
+    identify = ("identify", "paper-spatial", "r.parquet", *LINEAR, "-o", "run")
+    ran = finished(*ORBIDENT, *identify, "--quiet", cwd=folder)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    return folder
+
+
 @pytest.fixture
-def run(orbident: Orbident, flight: Recording) -> str:
-    written(flight, "r.parquet")
-    arguments = ("--method", "least-squares", "-o", "run", "--quiet")
-    orbident("identify", "paper-spatial", "r.parquet", *arguments).done()
+def run(made: Path) -> str:
+    shutil.copytree(made, Path(), dirs_exist_ok=True)
     return "run"
 
 

@@ -1,10 +1,12 @@
 """An orbit in the robot file, from the command line; what is wrong is one line."""
 
+from contextlib import chdir
 from pathlib import Path
 
 import numpy as np
 import pytest
 from ephemeris_files import write_oem
+from processes import ORBIDENT, finished
 from running import Orbident
 from urdf_pieces import robot_file
 
@@ -50,19 +52,21 @@ def bare(recording: Recording) -> Recording:
     return Recording(recording.t, kept, source="bare.csv")
 
 
-@pytest.fixture
-def flown(orbident: Orbident) -> Recording:
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     """What the robot's sensors show of 20 s in the tide of its orbit."""
-    Path("m.yaml").write_text(MOTION)
-    path = robot(DATED)
-    orbident("simulate", path, "m.yaml", "--noise", "sensors", "-o", "r.csv").done()
-    recording = read_recording("r.csv")
+    with chdir(tmp_path_factory.mktemp("flown")):
+        Path("m.yaml").write_text(MOTION)
+        simulate = ("simulate", robot(DATED), "m.yaml", "--noise", "sensors")
+        ran = finished(*ORBIDENT, *simulate, "-o", "r.csv")
+        assert (ran.returncode, ran.stderr) == (0, "")
+        recording = read_recording("r.csv")
     assert recording.has("nadir.x", "flow.x", "field.x")
-    write_recording(bare(recording), "bare.csv")
     return recording
 
 
 def test_a_robot_is_identified_in_its_orbit(orbident: Orbident, flown: Recording):
+    write_recording(bare(flown), "bare.csv")
     ran = orbident("identify", robot(DATED), "bare.csv", "-o", "run", "--json", "-")
     assert ran.status == 0, ran.err
     assert not ran.json["disturbances"]

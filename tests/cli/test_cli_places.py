@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -22,11 +23,20 @@ as_root = pytest.mark.skipif(
 )
 
 
+@pytest.fixture(scope="module")
+def made(flight: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a RUN and its recording `r.csv`, which every test copies."""
+    folder = tmp_path_factory.mktemp("made")
+    written(flight, folder / "r.csv", rows=slice(40))
+    ran = finished(*ORBIDENT, *IDENTIFY, "-o", "run", "--quiet", cwd=folder)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    return folder
+
+
 @pytest.fixture
-def run(orbident: Orbident, flight: Recording) -> Path:
+def run(made: Path) -> Path:
     """A RUN folder beside its recording `r.csv`."""
-    written(flight, "r.csv", rows=slice(40))
-    orbident(*IDENTIFY, "-o", "run", "--quiet").done()
+    shutil.copytree(made, Path(), dirs_exist_ok=True)
     return Path("run")
 
 
@@ -347,6 +357,7 @@ def test_run_without_its_robot(orbident: Orbident, run: Path):
     orbident("validate", run, "r.csv").refused("run/robot.yaml")
 
 
+@pytest.mark.slow
 def test_a_folder_that_the_locale_cannot_name(run: Path):
     """Neither Python nor Arrow opens it by its name as text."""
     folder = Path("Gerät")
