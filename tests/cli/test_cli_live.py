@@ -4,14 +4,17 @@ import json
 import shlex
 import signal
 import socket
+from functools import partial
 from pathlib import Path
 
 import pytest
 from live_streams import NAME, csv_lines, documents, json_lines, samples, stream_file
 from processes import ORBIDENT, finished, started
+from running import Orbident
 
 COMMAND = (*ORBIDENT, "live", NAME, "--velocity-std", "1e-3", "--every", "5")
 HEADER = csv_lines(samples())[0]
+slow = partial(pytest.param, marks=pytest.mark.slow)
 
 
 def ran(stream: Path, *options: object, status: int = 0) -> list[dict]:
@@ -33,6 +36,7 @@ def test_estimates_and_an_alarm(tmp_path: Path):
     assert end["counts"]["unreadable"] == end["lost_datagrams"] == 0
 
 
+@pytest.mark.slow
 def test_a_restart_ends_with_the_same_bits(tmp_path: Path):
     lines = json_lines(samples())
     whole = ran(stream_file(tmp_path, lines))[-1]
@@ -78,11 +82,11 @@ def test_datagrams(tmp_path: Path):
     ("text", "message"),
     [
         (b"", "no sample came"),
-        (b"1,2,3\n4,5,6\n", "no line names the columns"),
-        (b"t,gyro.x\n", "found no column 'joint.joint1.position'"),
+        slow(b"1,2,3\n4,5,6\n", "no line names the columns"),
+        slow(b"t,gyro.x\n", "found no column 'joint.joint1.position'"),
         (b"{}\n" + b"\n".join(csv_lines(samples())[:20]), "1 unreadable, 19 waiting"),
-        (HEADER + 60 * (b"\n" + b",".join(20 * [b"much"])), "60 unreadable"),
-        (HEADER + 60 * (b"\n1" + 19 * b",nan"), "60 missing"),
+        slow(HEADER + 60 * (b"\n" + b",".join(20 * [b"much"])), "60 unreadable"),
+        slow(HEADER + 60 * (b"\n1" + 19 * b",nan"), "60 missing"),
     ],
 )
 def test_streams_that_cannot_be(tmp_path: Path, text: bytes, message: str):
@@ -114,14 +118,13 @@ def test_a_robot_without_noise(tmp_path: Path):
     assert "give gyro.angle_random_walk" in run.stderr
 
 
-def test_options_that_cannot_be():
-    run = finished(*COMMAND, "--host", "0.0.0.0", input="")
-    assert (run.returncode, run.stdout) == (2, "")
-    assert "--host: standard input is read; add --udp PORT" in run.stderr
+def test_options_that_cannot_be(orbident: Orbident):
+    live = COMMAND[len(ORBIDENT) :]
+    orbident(*live, "--host", "0.0.0.0").refused(
+        "--host: standard input is read; add --udp PORT"
+    )
     with Path(__file__).open() as lines:
         run = finished(*COMMAND, "--state", Path(__file__), stdin=lines)
     assert (run.returncode, run.stderr.count("\n")) == (2, 1)
     assert "is no state of a filter, or is damaged; name another file" in run.stderr
-    run = finished(*COMMAND[:-1], "0", input="")
-    assert (run.returncode, run.stdout) == (2, "")
-    assert "--every: found 0.0; give a number above zero" in run.stderr
+    orbident(*live[:-1], "0").refused("--every: found 0.0; give a number above zero")

@@ -99,9 +99,10 @@ def test_locked_with_mass_in_sums_only(orbident: Orbident, at: dict[str, float])
 
 
 @pytest.mark.parametrize(
-    "at", [{"joint1": 0.0}, {"joint1": 0.4, "joint3": 0.5}], ids=str
+    ("at", "rates"),
+    [({"joint1": 0.0}, "derived"), ({"joint1": 0.4, "joint3": 0.5}, "measured")],
+    ids=str,
 )
-@pytest.mark.parametrize("rates", ["measured", "derived"])
 def test_locked_with_encoder_noise(
     orbident: Orbident, at: dict[str, float], rates: str
 ):

@@ -24,13 +24,14 @@ def refused(*arguments: object) -> str:
 
 
 def test_statuses_and_streams(flight: Recording):
+    identify = ("identify", "paper-spatial", "r.csv", *LINEAR, "--json", "-")
     written(flight, "r.csv")
-    ran = finished(*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-")
+    ran = finished(*ORBIDENT, *identify)
     assert (ran.returncode, ran.stderr) == (0, "")
     assert json.loads(ran.stdout)["status"] == "ok"
 
     written(flight, "r.csv", drop=["velocity", "position"])
-    ran = finished(*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-")
+    ran = finished(*ORBIDENT, *identify)
     assert ran.returncode == 1
     assert json.loads(ran.stdout)["status"] == "rejected"
     assert all(
@@ -38,7 +39,7 @@ def test_statuses_and_streams(flight: Recording):
     )
 
     written(flight, "r.csv", drop=["gyro.x"])
-    assert "gyro.x" in refused("identify", "paper-spatial", "r.csv", "--json", "-")
+    assert "gyro.x" in refused(*identify)
 
 
 @pytest.mark.parametrize(
