@@ -43,7 +43,7 @@ def test_what_cannot_be_run_is_refused_in_one_line(orbident: Orbident, tmp_path:
     assert not Path("out").exists()
 
 
-@pytest.mark.parametrize("answers", [True, False])
+@pytest.mark.parametrize("answers", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_cluster_that_is_none(
     orbident: Orbident,
     tmp_path: Path,

@@ -225,6 +225,7 @@ def test_zero_quaternions(orbident: Orbident):
     )
 
 
+@pytest.mark.slow
 def test_a_long_bag_takes_little_memory():
     """30 000 messages of 0.3 kB are converted in a process of their own."""
     bag = write_bag("mcap-ros2", Path(), sent(count=30_000))

@@ -28,8 +28,15 @@ def refused_run(flight: Recording) -> None:
     written(flight, "r.csv", drop=["velocity", "position"], rows=slice(100))
 
 
-@pytest.mark.parametrize("reader", ["true", "head -1"])
-@pytest.mark.parametrize("more", [(), ("--json", "-")])
+@pytest.mark.parametrize(
+    ("reader", "more"),
+    [
+        ("head -1", ()),
+        pytest.param("true", (), marks=pytest.mark.slow),
+        pytest.param("head -1", ("--json", "-"), marks=pytest.mark.slow),
+        pytest.param("true", ("--json", "-"), marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.usefixtures("refused_run")
 def test_the_status_of_a_run_whose_reader_goes(reader: str, more: tuple[str, ...]):
     """And its warnings, which come first."""
@@ -40,12 +47,14 @@ def test_the_status_of_a_run_whose_reader_goes(reader: str, more: tuple[str, ...
     assert all(line.startswith("orbident: ") for line in ran.stderr.splitlines())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("refused_run")
 def test_one_reader_of_both_streams_that_goes():
     line = '"$@" 2>&1 | true; exit ${PIPESTATUS[0]}'
     assert finished("bash", "-c", line, "bash", *ORBIDENT, *REFUSED).returncode == 1
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("refused_run")
 def test_warnings_come_before_results():
     ran = finished("sh", "-c", '"$@" 2>&1', "sh", *ORBIDENT, *REFUSED)
@@ -64,7 +73,7 @@ BEST_SO_FAR = "orbident: warning: interrupted: the trajectory that was written"
     ],
 )
 # s: in the imports, in the preparation, in the search.
-@pytest.mark.parametrize("after", [0.4, 1.5, 5.0])
+@pytest.mark.parametrize("after", [0.4, 1.5, pytest.param(5.0, marks=pytest.mark.slow)])
 def test_a_signal_ends_a_run(
     number: signal.Signals, status: int, words: str, after: float
 ):
@@ -221,6 +230,7 @@ def test_warnings_of_libraries_are_said_in_a_line(
     assert ran.err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_no_progress_into_a_file(monkeypatch: pytest.MonkeyPatch):
     """Many CI systems set FORCE_COLOR; it makes no terminal of a file."""
     monkeypatch.setenv("FORCE_COLOR", "1")

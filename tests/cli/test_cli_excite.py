@@ -126,6 +126,7 @@ def test_compare(orbident, table_5):
     assert "predicted standard deviations" in words
 
 
+@pytest.mark.slow
 def test_how_large_a_table_a_motion_needs(orbident, table_5):
     ran = orbident(
         *("excite", "cepheus-like", "-o", "made.yaml", "--starts", 1),
@@ -238,9 +239,10 @@ def test_sample_for_ros(orbident, table_5):
         (["cepheus-like", "-o", "made.yaml", "--limit", "table="], ["WIDTHxDEPTH"]),
         (["cepheus-like", "-o", "m.yaml", "--limit", "table=1x1x1"], ["table=RADIUS"]),
         (["cepheus-like", "-o", "m.yaml", "--limit", "table=-1"], ["table radius"]),
-        (
+        pytest.param(
             ["cepheus-like", "-o", "m.yaml", "--limit", "table=0.2"],
             ["even the gentlest joint motion exceeds the limit of table radius, by"],
+            marks=pytest.mark.slow,
         ),
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1xm"], ["'table=1xm'"]),
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),
@@ -324,6 +326,7 @@ def test_what_instruments_do_not_show_is_named(orbident):
     assert "harmonics" not in ran.err
 
 
+@pytest.mark.slow
 def test_a_robot_that_shows_no_scale_is_refused_before_the_search(orbident):
     """Nor is one refused whose joints' torques give its scale."""
     asked = "--duration", 10, "--starts", 1, "-o", "m.yaml"
@@ -348,6 +351,7 @@ def test_wheels_without_a_sensor_are_told_before_the_search(orbident, monkeypatc
     assert not search.strip()
 
 
+@pytest.mark.slow
 def test_identify_refuses_what_lacks_it(orbident):
     path = robot_file(Path(), ARM, LIMITS + WHEEL + GYRO)
     orbident("excite", path, "--duration", 10, "--starts", 1, "-o", "m.yaml")

@@ -202,7 +202,9 @@ def test_force_spares_what_is_no_run(orbident: Orbident, flight: Recording):
     assert Path("letter").exists()
 
 
-@pytest.mark.parametrize(("robot", "momentum"), CASES[1:])
+@pytest.mark.parametrize(
+    ("robot", "momentum"), [CASES[1], pytest.param(*CASES[2], marks=pytest.mark.slow)]
+)
 def test_validate_predicts_another_motion(
     orbident: Orbident,
     robot: str,
@@ -277,6 +279,7 @@ def test_study_spatial_json(orbident: Orbident, truth: dict[str, float]):
     assert rows["M"]["true"] == 1110.0
 
 
+@pytest.mark.slow
 def test_study_spatial_keeps_what_it_made(orbident: Orbident):
     """The paper's studies give a first recording."""
     words = orbident("study", "spatial", "-o", "kept/spatial").done().out

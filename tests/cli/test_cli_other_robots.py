@@ -100,6 +100,7 @@ wheels:
 """
 
 
+@pytest.mark.slow
 def test_two_arms(orbident: Orbident, tmp_path: Path):
     """Prismatic and tilted joints, odd names, a fixed plate, a wheel taken from the
     URDF, one that spins freely, and a feature point off the base link's origin."""
@@ -156,7 +157,7 @@ def test_planar_with_a_slide(orbident: Orbident, tmp_path: Path):
     Whole(orbident, robot_file(tmp_path, text, lines)).check("spun up", duration=20.0)
 
 
-@pytest.mark.parametrize("wheels", [1, 3])
+@pytest.mark.parametrize("wheels", [pytest.param(1, marks=pytest.mark.slow), 3])
 @needs_shared
 def test_astrobee(orbident: Orbident, tmp_path: Path, wheels: int):
     """NASA's Astrobee with its perching arm. It has no wheels: these are added."""
@@ -197,6 +198,7 @@ def test_cbk_planar(orbident: Orbident, tmp_path: Path):
     Whole(orbident, path).check("spun up", duration=20.0)
 
 
+@pytest.mark.slow
 def test_the_run_keeps_the_robot(orbident: Orbident, tmp_path: Path):
     """A RUN is complete: it predicts when the robot's own files have gone."""
     whole = Whole(orbident, robot_file(tmp_path, ARM))

@@ -25,6 +25,7 @@ PLANAR_FILES = {
 CONTROL_FILES = {"trajectory.yaml", "recording.csv", "report.html", "run"}
 
 
+@pytest.mark.slow
 def test_planar(orbident: Orbident):
     """Its recordings are what `identify`, `weigh` and `validate` take."""
     ran = orbident("study", "planar", "-o", "kept", "--json", "study.json").done()
@@ -57,6 +58,7 @@ def test_planar(orbident: Orbident):
     assert max(scores.done().json["nrmse"].values()) < 1e-6
 
 
+@pytest.mark.slow
 def test_planar_with_noise(orbident: Orbident):
     run = ("study", "planar", "--noise", "paper", "--seeds", 2, "--seed", 3)
     run = *run, *LINEAR
@@ -81,6 +83,7 @@ def test_planar_spares_what_is_there(orbident: Orbident, name: str):
     assert Path(name).read_text() == "precious"
 
 
+@pytest.mark.slow
 def test_spatial_with_noise(orbident: Orbident):
     run = ("study", "spatial", "--noise", "paper", "--seeds", 2)
     words = orbident(*run, "--json", "study.json").done().out
@@ -96,6 +99,7 @@ def test_spatial_with_noise(orbident: Orbident):
         assert f" {sensor} " in words
 
 
+@pytest.mark.slow
 def test_workers_change_no_number(orbident: Orbident):
     run = ("study", "spatial", "--noise", "paper", "--seeds", 3, *LINEAR)
     one, two = (

@@ -89,6 +89,7 @@ def as_currents(constants: dict[str, float]) -> None:
     Path("c.csv").write_text("\n".join([",".join(table), *rows, ""]))
 
 
+@pytest.mark.slow
 def test_currents_of_motors_from_the_file_to_the_result(without_wheels: Orbident):
     """All that follows is as by torques, with the tolerance of torque constants."""
     orbident, text = without_wheels, Path("arm.yaml").read_text()

@@ -176,6 +176,7 @@ def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):
     assert "the quaternion of the attitude is the inverse, from inertial" in said
 
 
+@pytest.mark.slow
 def test_a_refusal_is_short(orbident: Orbident, flight: Recording):
     """Its cause, the first check that failed, and where the others are."""
     wrong = {"gyro.x": 1.05 * flight.columns["gyro.x"]}

@@ -38,6 +38,7 @@ def test_a_broken_run(orbident: Orbident):
     orbident("view", "run").refused("run/result.json: is not JSON")
 
 
+@pytest.mark.slow
 def test_a_clip(orbident: Orbident, flight: Recording):
     written(flight, "r.csv", rows=slice(40))
     draw = ("view", "paper-spatial", "--recording", "r.csv", "--record", "clip.gif")

@@ -49,6 +49,7 @@ def test_identify_and_report(orbident: Orbident, short: Path):
     orbident("report", "run").done()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("library", "need"), [("plotly", "the report"), ("matplotlib", "drawing a figure")]
 )
@@ -65,6 +66,7 @@ def test_study(library: str, need: str):
     assert Path("kept/run/result.json").exists()
 
 
+@pytest.mark.slow
 def test_export(orbident: Orbident, short: Path):
     orbident("identify", "paper-spatial", short, "-o", "run", *LINEAR).done()
     ran = without(("cvxpy",), "export", "run", "-o", "robot.urdf")
@@ -130,6 +132,7 @@ def test_view():
     )
 
 
+@pytest.mark.slow
 def test_a_clip_needs_no_viewer():
     clip = ("view", "paper-spatial", "--record", "clip.gif")
     ran = without(("matplotlib",), *clip)
