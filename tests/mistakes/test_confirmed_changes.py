@@ -90,8 +90,13 @@ def off(result: oi.Result, true: oi.Robot) -> float:
     return float(np.nanmax(np.abs(result.base.values - beta) / result.base.std))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("alarms", [[-1.5], [-12.0, 9.0]])
+@pytest.mark.parametrize(
+    "alarms",
+    [
+        pytest.param([-1.5], marks=pytest.mark.long),
+        pytest.param([-12.0, 9.0], marks=pytest.mark.slow),
+    ],
+)
 def test_alarms_at_other_times_hide_no_change(alarms: list[float]):
     """A filter that learns raises some before and after, and none when it happens."""
     before, after, recording, at = flight(SERVICER, 0)

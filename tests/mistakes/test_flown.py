@@ -5,7 +5,7 @@ import pytest
 from effects_on_robots import flexible, panels
 from flown import flown, in_mujoco
 from parts_on_board import Base, ball, driven, moving, plate
-from recordings import ROBOTS, SPACE, TABLE, Clean, clean, motion_of
+from recordings import SPACE, TABLE, Clean, clean, motion_of
 from spoiled import Spoil
 
 from orbident.robot.description import Robot
@@ -25,7 +25,7 @@ def assert_alike(flown: Truth, simulated: Truth) -> None:
     np.testing.assert_allclose(same, 1.0, atol=EXACT)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", [pytest.param(SPACE, marks=pytest.mark.slow), TABLE])
 def test_a_robot_as_described_moves_as_simulated(name: str):
     """Between rows, too."""
     known = clean(name)
@@ -43,6 +43,7 @@ def check_joint(known: Clean, robot: Robot, rate: float, swing: float) -> None:
     assert_alike(shown.true, simulated)
 
 
+@pytest.mark.slow
 def test_an_array_turns_as_simulated():
     known = clean(SPACE)
     array = plate("array", Base.of(known.robot), 0.012, 1.0)
@@ -57,7 +58,11 @@ def test_a_carriage_slides_as_simulated():
     check_joint(known, driven(known.robot, slide, "prismatic", axis), 0.0, 0.02)
 
 
-@pytest.mark.parametrize("swings", [panels, flexible], ids=["panels", "joint2"])
+@pytest.mark.parametrize(
+    "swings",
+    [panels, pytest.param(flexible, marks=pytest.mark.slow)],
+    ids=["panels", "joint2"],
+)
 def test_stiff_springs_are_rigid(swings):
     """What is on a spring gives way as the inverse square of its frequency."""
     soft, stiff = off(swings(1.0)), off(swings(8.0))

@@ -1,6 +1,7 @@
 """What nothing is wrong with is accepted, and its intervals hold what is true."""
 
 import os
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ COVERAGE = (0.94, 0.96)
 """Limits of the part of the 95 % intervals that hold what is true, pooled over robots,
 seeds and base parameters."""
 
-FEW = ("space 0", "table 1", "free-flyer 0", "free-flyer 3")
+slow = partial(pytest.param, marks=pytest.mark.slow)
+FEW = ("space 0", "table 1", "free-flyer 0", slow("free-flyer 3"))
 
 
 @pytest.mark.parametrize("name", FEW)
@@ -34,7 +36,10 @@ def test_a_good_recording_is_accepted(name: str):
 
 @pytest.mark.parametrize(
     ("name", "seed", "begin", "lasts"),
-    [("free-flyer 3", 6810, 22.72, 25.3), ("free-flyer 2", 6812, 8.97, 24.58)],
+    [
+        ("free-flyer 3", 6810, 22.72, 25.3),
+        slow("free-flyer 2", 6812, 8.97, 24.58),
+    ],
 )
 def test_a_short_recording_shows_nothing_on_springs(
     name: str, seed: int, begin: float, lasts: float

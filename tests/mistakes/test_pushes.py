@@ -33,7 +33,7 @@ def turned(recording: Recording) -> float:
     return float((before.inv() * after).magnitude())
 
 
-@pytest.mark.parametrize("name", [SPACE, TABLE])
+@pytest.mark.parametrize("name", [pytest.param(SPACE, marks=pytest.mark.slow), TABLE])
 def test_a_burst_is_identified(name: str):
     spoiled = burst(1.0, AT, FOR)(clean(name))
     result = identified(spoiled)

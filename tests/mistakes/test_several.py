@@ -58,6 +58,7 @@ def test_what_is_true_lies_within_its_deviations(robot: oi.Robot, one: oi.Result
     assert np.abs(z).max() < 4
 
 
+@pytest.mark.slow
 def test_the_order_of_recordings_does_not_matter(
     robot: oi.Robot, recordings: list[oi.Recording], one: oi.Result
 ):
@@ -94,6 +95,7 @@ def test_of_two_that_differ_neither_is_named(robot: oi.Robot):
     assert "'first', 'second' do not show the same robot" in refused.refusal()
 
 
+@pytest.mark.slow
 def test_one_that_is_refused_by_itself_refuses_all(
     robot: oi.Robot, recordings: list[oi.Recording]
 ):

@@ -61,7 +61,7 @@ def off(result: oi.Result, true: oi.Robot) -> float:
 
 def test_nothing_in_them_is_plainly_a_mistake():
     """A linear equation of few seconds has parameters that are far from the truth."""
-    for n in range(0, 200, 8):
+    for n in range(0, 200, 32):
         window = seconds_of(n)
         problem = momentum_problem(
             window.cad, window.recording, window.initial_momentum, lambda _: None
@@ -69,7 +69,9 @@ def test_nothing_in_them_is_plainly_a_mistake():
         assert not plain_mistake(problem), n
 
 
-@pytest.mark.parametrize("n", [4, 18, 186])
+@pytest.mark.parametrize(
+    "n", [*(pytest.param(n, marks=pytest.mark.slow) for n in (4, 18)), 186]
+)
 def test_a_search_ends_where_that_from_the_true_robot_does(n: int):
     """From neither a search leads there whose attitude has to turn as it should."""
     window = seconds_of(n)

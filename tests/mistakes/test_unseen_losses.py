@@ -1,6 +1,7 @@
 """Wheels that lose speed unseen are no torque, though it looks nearly the same."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.may_act import may_act
 
+slow = partial(pytest.param, marks=pytest.mark.slow)
 BEYOND = 5.0
 """Deviations that no accepted parameter is off by."""
 
@@ -54,12 +56,12 @@ def farthest(name: str, result: Result) -> float:
 @pytest.mark.parametrize(
     ("name", "part"),
     [
-        (SPACE, 0.0005),
-        (SPACE, 0.003),
-        (SPACE, 0.007),
+        slow(SPACE, 0.0005),
+        slow(SPACE, 0.003),
+        slow(SPACE, 0.007),
         ("space 4", 0.001),
-        ("space 6", 0.003),
-        ("space 6", 0.006),
+        slow("space 6", 0.003),
+        slow("space 6", 0.006),
     ],
 )
 def test_in_space_losses_are_found_or_in_the_deviations(name: str, part: float):
@@ -85,7 +87,7 @@ def test_losses_too_faint_to_be_found_are_held_where_wheels_are_not_measured(
     assert "wheel_loss" in result.allowed
 
 
-@pytest.mark.parametrize("part", [0.0005, 0.0006, 0.001])
+@pytest.mark.parametrize("part", [0.0005, slow(0.0006), slow(0.001)])
 def test_on_a_table_nothing_accepted_is_wrong(part: float):
     """A clock and a slow torque, both wrong, would explain a loss of 0.05 %."""
     result = identified(TABLE, part)
