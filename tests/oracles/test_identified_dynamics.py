@@ -56,7 +56,7 @@ def case(request, tmp_path_factory) -> Case:
         recording = simulate(robot, random_motion(robot, wheel_speed=250.0))
     elif request.param == "dual-arm":
         robot = without_stops(load_robot("dual-arm"))
-        recording = simulate(robot, random_motion(robot, duration=60.0), rate=50.0)
+        recording = simulate(robot, random_motion(robot, duration=60.0), rate=20.0)
     else:
         robot = load_robot(request.param)
         start = "spun up" if robot.motion == "planar" else "turning"
@@ -115,7 +115,7 @@ def test_jacobians(case):
     point = np.array([0.3, -0.2, 0.5])
     bodies = case.true.bodies
     for body in (bodies[0], bodies[-1]):
-        for q in case.q:
+        for q in case.q[::10]:
             J = jacobian(case.true, q, body, point)
             assert worst(identified.jacobian(q, body, point), J) < EXACT
 
