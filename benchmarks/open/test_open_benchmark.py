@@ -19,6 +19,7 @@ def ran() -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow
 def test_every_method_is_on_the_page(ran: str):
     rows = [line for line in ran.splitlines() if line.startswith("| ")][1:]
     names = [row.split(" | ")[0].removeprefix("| ") for row in rows]
@@ -27,6 +28,7 @@ def test_every_method_is_on_the_page(ran: str):
     assert "## paper-planar" in ran
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("ran")
 def test_the_truth_has_no_error_and_predicts():
     """Rounding to nine decimals, rates of 0.1 rad/s: 1e-6 of a rate is ten times it."""

@@ -42,9 +42,9 @@ ASSUMED = "use --initial-momentum unknown"
 SEEDS = 1000
 """The noise of a flight has this seed, and its robot's number more."""
 
-QUICK = (0, 4, 8, 11, 12)
-"""In space a torque, fixed or turning with the base; on a table a torque, film and
-tilt: those that are soon identified."""
+QUICK, SLOWER = (8, 11, 12), (0, 4)
+"""On a table a torque, film and tilt, which are soon identified; in space a torque that
+turns with the base or does not, which CI flies."""
 
 Verdict = Literal["identified", "held", "not held", "refused", "wrong"]
 """Held is what was not seen, and is among what may act all the same."""
@@ -213,9 +213,13 @@ def _part(recording: Recording, rows: np.ndarray, name: str) -> Recording:
     return Recording(recording.t[rows], columns, source=name)
 
 
+def marked(k: int) -> pytest.MarkDecorator:
+    return pytest.mark.slow if k in SLOWER else pytest.mark.long
+
+
 @pytest.mark.parametrize(
     "k",
-    [k if k in QUICK else pytest.param(k, marks=pytest.mark.long) for k in range(17)],
+    [k if k in QUICK else pytest.param(k, marks=marked(k)) for k in range(17)],
 )
 def test_a_flight_ends_well(k: int):
     """What acts is identified with the robot, or is in its deviations; of a capture the

@@ -68,7 +68,9 @@ def off(seed: int, parents: tuple[int, ...]) -> np.ndarray:
     return (result.base.values - beta) / result.base.std
 
 
-@pytest.mark.parametrize("parents", [GIMBAL, LINK])
+@pytest.mark.parametrize(
+    "parents", [GIMBAL, pytest.param(LINK, marks=pytest.mark.slow)]
+)
 def test_identified(parents):
     assert np.abs(off(0, parents)).max() < FAR
 

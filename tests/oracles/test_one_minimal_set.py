@@ -134,6 +134,7 @@ def flown(**what) -> Flown:
     return Flown(tuple(truths), (results[0], results[1]))
 
 
+@pytest.mark.slow
 def test_position_alone_tells_them_apart():
     """Attitude and torques are the same, and so is `pi`; `phi` and the mass are not."""
     (a, b), (of_a, of_b) = flown(position={"std": 1e-4}, torques={"std": 0.01})
@@ -148,6 +149,7 @@ def test_position_alone_tells_them_apart():
     assert compare(of_a, of_b).status != "no change"
 
 
+@pytest.mark.slow
 def test_torques_without_positions():
     """They give `pi` its scale, not the mass: that is said, and nothing else."""
     for result in flown(torques={"std": 0.01}).results:
@@ -156,6 +158,7 @@ def test_torques_without_positions():
         assert not any("torques of" in words for words in result.warnings)
 
 
+@pytest.mark.slow
 def test_without_positions_nothing_tells_them_apart():
     """What is left, `pi`, is that of the other; a mass is refused for both."""
     of_a, of_b = flown(wheel=True).results

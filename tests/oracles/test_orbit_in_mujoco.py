@@ -188,7 +188,7 @@ def off(result: Result, robot: Robot) -> np.ndarray:
 @pytest.mark.parametrize(
     ("flight", "runs"),
     [
-        (short_flight, 1),
+        pytest.param(short_flight, 1, marks=pytest.mark.slow),
         pytest.param(short_flight, MANY, marks=pytest.mark.long),
         pytest.param(long_flight, SEVERAL, marks=pytest.mark.long),
     ],
@@ -217,7 +217,7 @@ def test_a_servicer_in_orbit_is_identified(flight, runs: int):
 @pytest.mark.parametrize(
     ("flight", "runs"),
     [
-        (short_flight, 1),
+        pytest.param(short_flight, 1, marks=pytest.mark.slow),
         pytest.param(short_flight, MANY, marks=pytest.mark.long),
         pytest.param(long_flight, 1, marks=pytest.mark.long),
     ],

@@ -65,7 +65,11 @@ def free_flyer() -> Robot:
 
 
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(k, marks=pytest.mark.long) for k in range(1, 5))]
+    "seed",
+    [
+        pytest.param(0, marks=pytest.mark.slow),
+        *(pytest.param(k, marks=pytest.mark.long) for k in range(1, 5)),
+    ],
 )
 def test_the_payload_is_what_was_grasped(seed):
     robot, random = free_flyer(), np.random.default_rng(seed)

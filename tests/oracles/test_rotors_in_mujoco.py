@@ -186,13 +186,16 @@ FAR = 4.0
 """Deviations that chance does not reach among some hundred numbers."""
 
 
-@pytest.mark.parametrize("name", ["paper-spatial", "random"])
+@pytest.mark.parametrize(
+    "name", ["paper-spatial", pytest.param("random", marks=pytest.mark.slow)]
+)
 def test_identified_with_declared_rotors(name):
     result, off = found(name, 1, declared=True)
     assert result.level == "trust"
     assert max(np.abs(each).max() for each in off[:3]) < FAR
 
 
+@pytest.mark.slow
 def test_identified_without_a_word_of_rotors():
     """What is printed is named so and holds; only what `H+` lacks is off, and said."""
     result, off = found("random", 1, declared=False)

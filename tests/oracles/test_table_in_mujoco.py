@@ -170,7 +170,12 @@ def off(result: Result, robot: Robot) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "runs", [1, pytest.param(MANY, marks=pytest.mark.long)], ids=["one", "many"]
+    "runs",
+    [
+        pytest.param(1, marks=pytest.mark.slow),
+        pytest.param(MANY, marks=pytest.mark.long),
+    ],
+    ids=["one", "many"],
 )
 def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
     """95 % intervals hold what they say, of the robot and of what acts on it."""

@@ -79,6 +79,7 @@ def test_speeds_with_corners():
     assert np.abs(off).max() < 4
 
 
+@pytest.mark.slow
 def test_noise_that_limits_a_mass_is_named():
     """The tachometers here are three times as noisy as the worst ones above."""
     budget = Flown(drawn(3, (0, 1, 2), 3), RAMP).result(1.0, seed=0).budget()
@@ -86,6 +87,7 @@ def test_noise_that_limits_a_mass_is_named():
     assert "M is limited by noise of the wheel speeds" in budget.in_words()
 
 
+@pytest.mark.slow
 def test_noise_that_is_left_out_widens_no_deviation(monkeypatch):
     """Most waves of such a tachometer are; with all of them the same is found."""
     flown = Flown(drawn(3, (0, 1, 2), 3), 0.0)

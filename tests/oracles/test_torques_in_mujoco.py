@@ -160,7 +160,7 @@ def found(
     return Found(result, base, np.array(friction), np.array(armature))
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_identified_without_a_wheel(seed):
     """Torques alone say how large everything is."""
     result, base, friction, _ = found(flown_robot(), seed)
@@ -169,6 +169,7 @@ def test_identified_without_a_wheel(seed):
     assert np.abs(np.concatenate([base, friction])).max() < FAR
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("declared", "std"), [(True, 0.5), (False, np.inf)])
 def test_rotors_follow_from_torques(declared, std):
     """`N (N - 1) J`, of which the robot file knows a half, or nothing."""
@@ -234,7 +235,10 @@ def found_off(wheels: bool, motors: bool, seed: int) -> tuple[Found, np.ndarray]
     return one, np.array(errors)
 
 
-@pytest.mark.parametrize(("wheels", "mass"), [(True, 5e-4), (False, 0.03)])
+@pytest.mark.parametrize(
+    ("wheels", "mass"),
+    [pytest.param(True, 5e-4, marks=pytest.mark.slow), (False, 0.03)],
+)
 def test_identified_by_currents(wheels, mass):
     """Torque constants are off by 5 %, and wheels calibrate them."""
     one, scales = found_off(wheels, True, 0)

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_robots import random_planar_robot, random_robot, random_wheels
@@ -82,6 +83,7 @@ def check(trajectory: Trajectory, limits: Limits) -> None:
     assert (np.abs(qdd) <= limits.acceleration + ROUNDING).all()
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(recipes)
 def test_no_motion_that_was_let_through_leaves_a_limit(recipe):

@@ -28,7 +28,10 @@ CHANCE = 0.01
 
 LONG = 100
 
-RUNS = [6, pytest.param(LONG, marks=pytest.mark.long)]
+RUNS = [
+    pytest.param(6, marks=pytest.mark.slow),
+    pytest.param(LONG, marks=pytest.mark.long),
+]
 
 LAZY = 0.7
 """Squared errors of `structured` are at least this part of what it says of them: it

@@ -1,6 +1,7 @@
 """Intervals where the noise of motion capture lasts, declared and not."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.simulate import simulate
+
+slow = partial(pytest.param, marks=pytest.mark.slow)
 
 WHITE = {
     "rate": 50.0,
@@ -55,6 +58,7 @@ def flight(seed: int):
     return simulate(robot, motion, noise="sensors", seed=seed)
 
 
+@pytest.mark.slow
 def test_what_lasts_is_refused_if_it_is_taken_as_white():
     recording = flight(0)
     level, errors = off(robot_with(LASTS), recording)
@@ -64,7 +68,7 @@ def test_what_lasts_is_refused_if_it_is_taken_as_white():
     assert level == "do not trust"
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [slow(1), 2, slow(3)])
 def test_the_filter_takes_what_lasts_into_account(seed: int):
     """It sees no change of the robot in it, and its intervals hold."""
     robot, recording = robot_with(LASTS), flight(seed)
