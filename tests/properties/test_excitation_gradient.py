@@ -1,6 +1,7 @@
 """The gradient of the criterion and of the limits, on any tree, by differences."""
 
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,6 +110,7 @@ def test_gradients_by_differences(recipe):
     shape = len(robot.joints), problem.motions.basis[0].shape[1]
     y, direction = 0.3 * random.standard_normal((2, *shape))
 
+    @cache
     def differences(step: float) -> np.ndarray:
         more, less = (problem.evaluate(y + s * step * direction, 4.0) for s in (1, -1))
         return np.append(more.smooth - less.smooth, more.used - less.used) / (2 * step)
