@@ -19,7 +19,7 @@ from orbident.simulation.free_floating import BaseState, free_floating
 
 PARENTS = (0, 1, 0)
 MOTION = random_swing(2, len(PARENTS))
-T = np.linspace(0.0, 6.0, 25)
+T = np.linspace(0.0, 3.0, 13)
 SPATIAL = random_robot(1, PARENTS, (1,), random_wheels(1, ("held", "free")))
 START = random_start(3, SPATIAL, rate=1.0)
 
