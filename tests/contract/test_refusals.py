@@ -11,9 +11,10 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import simulate
 
-pytestmark = pytest.mark.parametrize("method", METHODS)
+every_method = pytest.mark.parametrize("method", METHODS)
 
 
+@every_method
 @pytest.mark.parametrize("sensor", ["gyro", "attitude"])
 def test_a_sensor_that_never_showed_anything_is_refused(
     method: Method, robot: Robot, recording: Recording, sensor: str
@@ -27,6 +28,7 @@ def test_a_sensor_that_never_showed_anything_is_refused(
         identify(robot, changed(recording, dead), method)
 
 
+@every_method
 def test_no_scale_is_rejected(method: Method, robot: Robot):
     silent = simulate(robot, random_motion(robot, wheel_speed=0.0))
     result = identify(robot, silent, method)
@@ -41,9 +43,12 @@ def test_no_scale_is_rejected(method: Method, robot: Robot):
 
 
 @pytest.mark.parametrize(
-    ("start", "factor"),
-    [("wheel", -1.0), ("gyro", np.degrees(1.0)), ("velocity", -1.0)],
-    ids=["wheels' signs", "gyro in degrees", "velocity's sign"],
+    ("method", "start", "factor"),
+    [
+        *((method, "wheel", -1.0) for method in METHODS),
+        ("least-squares", "gyro", np.degrees(1.0)),
+        ("maximum-likelihood", "velocity", -1.0),
+    ],
 )
 def test_wrong_signals_are_rejected(
     method: Method, robot: Robot, recording: Recording, start: str, factor: float
@@ -61,6 +66,13 @@ def test_wrong_signals_are_rejected(
     assert any(words in each for words in said for each in result.warnings)
 
 
+@pytest.mark.parametrize(
+    "method",
+    [
+        *("least-squares", "maximum-likelihood"),
+        *(pytest.param(x, marks=pytest.mark.slow) for x in ("structured", "recursive")),
+    ],
+)
 def test_no_velocity_is_rejected(method: Method, robot: Robot, recording: Recording):
     blind = changed(
         recording, keep=lambda name: not name.startswith(("velocity", "position"))
@@ -72,6 +84,7 @@ def test_no_velocity_is_rejected(method: Method, robot: Robot, recording: Record
     assert any("velocity.x" in warning for warning in result.warnings)
 
 
+@every_method
 def test_too_few_samples_are_refused(
     method: Method, robot: Robot, recording: Recording
 ):
@@ -79,6 +92,7 @@ def test_too_few_samples_are_refused(
         identify(robot, changed(recording, rows=slice(5)), method)
 
 
+@every_method
 @pytest.mark.parametrize("column", ["gyro.y", "attitude.z", "joint.joint1.position"])
 def test_missing_columns_are_refused(
     method: Method, robot: Robot, recording: Recording, column: str
