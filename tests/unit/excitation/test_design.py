@@ -70,6 +70,7 @@ def test_the_same_seed_gives_the_same(emulator, case, designed):
     assert not np.array_equal(other.a, designed.a)
 
 
+@pytest.mark.slow
 def test_limits_of_acceleration_and_base_hold(emulator, case):
     free = made_for(emulator, conditions=case.conditions, starts=1)
     limits = limits_of(emulator, acceleration=0.3, base_rate=2.1)
@@ -83,7 +84,9 @@ def test_limits_of_acceleration_and_base_hold(emulator, case):
     assert free["proven"]["rate"] > 2.1 >= made["proven"]["rate"]
 
 
-@pytest.mark.parametrize("objective", ["d", "a", "e"])
+@pytest.mark.parametrize(
+    "objective", ["a", *(pytest.param(x, marks=pytest.mark.slow) for x in "de")]
+)
 def test_information_gets_better(emulator, case, objective):
     given = case.conditions
     made = made_for(emulator, objective=objective, conditions=given, starts=1)
@@ -91,6 +94,7 @@ def test_information_gets_better(emulator, case, objective):
     assert made["value"] < made["median_random_start"]
 
 
+@pytest.mark.slow
 def test_the_worst_plausible_robot_counts(emulator, case):
     made = made_for(emulator, conditions=case.conditions, starts=1, uncertainty=0.1)
     assert made["uncertainty"] == 0.1
@@ -128,6 +132,7 @@ def test_never_worse_than_a_random_motion(emulator, case, monkeypatch):
     assert made["value"] == made["best_random_start"]
 
 
+@pytest.mark.slow
 def test_a_budget_is_kept(emulator, case):
     started = time.perf_counter()
     made = made_for(emulator, conditions=case.conditions, budget=8.0)

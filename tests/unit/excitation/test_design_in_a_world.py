@@ -34,6 +34,7 @@ def scored(robot, trajectory):
     return score, float(np.exp(np.log(std).mean()))
 
 
+@pytest.mark.slow
 def test_a_motion_that_knows_the_table(emulator):
     given = replace(paper_case(emulator).conditions, basis=None)
     blind = design_excitation(emulator, conditions=given, starts=1)

@@ -89,6 +89,7 @@ def kept(emulator):
     )
 
 
+@pytest.mark.slow
 def test_a_motion_that_would_leave_the_table_stays_on_it(emulator, kept):
     free = design_excitation(
         emulator, conditions=conditions(emulator, TableSize()), starts=2
@@ -175,6 +176,7 @@ def test_the_smallest_circle(points):
     assert found <= least.fun * (1 + 1e-4) + 1e-9
 
 
+@pytest.mark.slow
 def test_a_table_too_small_says_by_how_much(emulator):
     given = conditions(emulator, TableSize(0.3, 2.0))
     with pytest.raises(InputError, match=r"limit of table width, by .* other ends"):

@@ -40,6 +40,7 @@ def summed(duty: dict[str, np.ndarray], dt: float) -> tuple[np.ndarray, np.ndarr
     return w, np.cumsum(np.cumsum(a, axis=0), axis=0) * dt**2
 
 
+@pytest.mark.slow
 def test_limits_are_kept_by_a_flight_of_plain_sums(tmp_path: Path):
     robot = satellite(tmp_path, more=SENSORS)
     motion = designed(robot, table=TableSize(0.5, 0.3), base_rate=0.4, impulse=5.0)
@@ -118,6 +119,7 @@ def test_what_only_joints_are_designed_for(tmp_path: Path, wish, words):
         design_excitation(satellite(tmp_path, more=SENSORS), **wish)
 
 
+@pytest.mark.slow
 def test_refused_in_one_line(tmp_path: Path):
     robot = satellite(tmp_path, more=SENSORS)
     with pytest.raises(InputError, match="several recordings"):
