@@ -15,6 +15,7 @@ from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
 
+@pytest.mark.slow
 def test_a_position_that_is_a_row_early():
     """A row is 0.1 s; what is shown at a time is what was there a row later."""
     recording = clean().recording

@@ -1,6 +1,7 @@
 """Signs, units and orders: what undoes them, and which one the linear test finds."""
 
 import numpy as np
+import pytest
 from cause_problems import clean, problem_with
 from scipy.spatial.transform import Rotation
 
@@ -30,16 +31,19 @@ def test_what_undoes_one_is_the_same_for_samples_and_columns():
             )
 
 
+@pytest.mark.slow
 def test_nothing_is_found_where_nothing_is_wrong():
     assert tried_conventions(problem_with())[0].falls < FALLS
 
 
+@pytest.mark.slow
 def test_the_signs_of_two_joints():
     problem = problem_with({f"joint.joint{k}.position": lambda q: -q for k in (1, 3)})
     assert "joints joint1 and joint3" in tried_conventions(problem)[0].convention.cause
     assert clean().robot.joint_names == ("joint1", "joint2", "joint3")
 
 
+@pytest.mark.slow
 def test_a_zero_that_is_a_quarter_turn_away():
     problem = problem_with({"joint.joint2.position": lambda q: q - np.pi / 2})
     first = tried_conventions(problem)[0]
@@ -47,6 +51,7 @@ def test_a_zero_that_is_a_quarter_turn_away():
     assert first.residuals_alone > FALLS
 
 
+@pytest.mark.slow
 def test_likelier_signs_are_no_reason_for_larger_residuals():
     """They would be 1000 times likelier, and leave residuals 10 times as large."""
     problem = problem_with({"joint.joint2.position": lambda q: np.roll(q, 1)})
@@ -54,6 +59,7 @@ def test_likelier_signs_are_no_reason_for_larger_residuals():
         assert one.falls <= FALLS or one.residuals_alone > HARDLY
 
 
+@pytest.mark.slow
 def test_rates_of_euler_angles():
     t, x = clean().recording.t, clean().recording.vector("attitude", "xyzw")
     yaw, pitch, roll = np.unwrap(Rotation.from_quat(x).as_euler("ZYX"), axis=0).T

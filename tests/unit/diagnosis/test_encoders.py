@@ -10,6 +10,7 @@ from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.kinematics import carried_inertia
 
 
+@pytest.mark.slow
 def test_joints_that_give_way():
     """`q_m = q + tau / (I (2 pi f)^2)`: the torques of a base that nothing holds."""
     robot, samples = clean().robot, problem_with().samples
@@ -34,6 +35,7 @@ def test_joints_that_give_way():
     assert "gives way" in suspect.words(found)
 
 
+@pytest.mark.slow
 def test_an_encoder_that_drifts():
     recording = clean().recording
     elapsed = (recording.t - recording.t[0]) / (recording.t[-1] - recording.t[0])
@@ -56,6 +58,7 @@ def test_an_encoder_off_the_centre_of_its_axis():
     assert "the encoder of joint joint2 is off the centre" in suspect.words(found)
 
 
+@pytest.mark.slow
 def test_a_gear_with_play():
     """The motor is ahead of the link by half of it, on the side to which it turns."""
     recording = clean().recording
@@ -68,7 +71,7 @@ def test_a_gear_with_play():
     assert "joint joint2 has a play of" in suspect.words(found)
 
 
-@pytest.mark.parametrize("a_turn", [60.0, 200.0])
+@pytest.mark.parametrize("a_turn", [pytest.param(60.0, marks=pytest.mark.slow), 200.0])
 def test_a_gear_whose_teeth_show(a_turn: float):
     recording = clean().recording
     q = recording.columns["joint.joint2.position"]

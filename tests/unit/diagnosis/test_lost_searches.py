@@ -28,7 +28,7 @@ def lost(problem: MomentumProblem) -> Estimate:
     return replace(fitted(problem), converged=False)
 
 
-@pytest.mark.parametrize("fits", [True, False])
+@pytest.mark.parametrize("fits", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_so_many_trials_without_a_least_cost_are_enough(
     problem, lost, monkeypatch, fits
 ):

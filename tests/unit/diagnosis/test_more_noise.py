@@ -1,6 +1,7 @@
 """Noise beyond what is declared."""
 
 import numpy as np
+import pytest
 from cause_problems import fitted, problem_with
 
 from orbident.diagnosis.noisier_sensors import lasting_errors, noisier_sensors
@@ -26,6 +27,7 @@ def test_encoders_that_are_noisier():
     assert "noise of the joints is 0.0005" in found.cause
 
 
+@pytest.mark.slow
 def test_a_bias_that_wanders():
     problem = problem_with(
         {"gyro.x": lambda w: w + 1e-4 * np.sin(np.arange(w.size) / 80)}

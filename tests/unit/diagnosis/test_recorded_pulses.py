@@ -63,8 +63,7 @@ def cause(robot: Robot, recording: Recording) -> str:
     return next(check.reason for check in result.checks if check.name == "cause")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("valve", [0, 3])
+@pytest.mark.parametrize(("seed", "valve"), [(1, 0), (2, 3)])
 def test_numbered_from_another_corner(tmp_path, seed, valve):
     """With a dead valve or without."""
     true = with_dead(truth(seed), valve) if valve else truth(seed)
@@ -96,16 +95,16 @@ def test_exchanged(tmp_path):
     assert named.endswith("exchanged: what is recorded as t1 is t2, t2 is t1")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_directions_of_the_gas(tmp_path, seed):
+def test_directions_of_the_gas(tmp_path):
     robot = satellite(tmp_path, more=KNOWN)
     gas = tuple(replace(each, direction=-each.direction) for each in robot.thrusters)
-    named = cause(replace(robot, thrusters=gas), flown(truth(seed), seed))
+    named = cause(replace(robot, thrusters=gas), flown(truth(1), 1))
     assert "thrusters push the other way than the robot file says" in named
 
 
-@pytest.mark.parametrize("valve", [0, 2])
-@pytest.mark.parametrize("late", [-3.0, 1.0])
+@pytest.mark.parametrize(
+    ("late", "valve"), [pytest.param(-3.0, 2, marks=pytest.mark.slow), (1.0, 0)]
+)
 def test_another_zero_of_time(tmp_path, late, valve):
     """Columns are `late` after what was commanded, and valves 0.15 s after that.
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from cause_problems import clean, fitted, problem_with, with_recording
 from edited_recordings import changed
 from scipy.interpolate import CubicSpline
@@ -29,6 +30,7 @@ def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
     return max(scores, key=lambda one: one[1].fall)
 
 
+@pytest.mark.slow
 def test_scores_are_those_of_a_step_of_all_else():
     """Beside the plain way: every changed recording is linearised, all other unknowns
     take one step, and what is left is compared."""
@@ -133,6 +135,7 @@ def test_a_gyro_whose_scale_changes_with_the_rate():
     assert abs(first.values[3] - 0.02) < 5 * first.std[3]
 
 
+@pytest.mark.slow
 def test_a_lens():
     """A size that the score knows to first order."""
     p = clean().recording.columns["position.y"]
