@@ -134,6 +134,7 @@ def test_the_bound_of_a_manoeuvre_is_made_of_the_same(flown, result: Result):
     np.testing.assert_allclose(there.shares, of(result).shares, atol=0.03)
 
 
+@pytest.mark.slow
 def test_neither_refused_nor_exact_results_have_one(flown):
     robot, recording = flown
     turned = {"gyro.x": -recording.column("gyro.x")}

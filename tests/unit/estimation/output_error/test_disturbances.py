@@ -142,7 +142,7 @@ def test_a_pull_is_identified(size):
         assert abs(fit.value - a) < 4 * fit.std
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_none_is_found_where_there_is_none(seed):
     """One run of ten thousand would show something by chance."""
     assert identified(noisy(small_recording(small_robot()), seed)) == {}
@@ -246,7 +246,7 @@ def test_a_recording_that_is_not_changed_leaves_the_same():
     np.testing.assert_allclose(both.T @ both, expected.T @ expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("torque", [0.0, 0.02])
+@pytest.mark.parametrize("torque", [0.0, pytest.param(0.02, marks=pytest.mark.slow)])
 def test_it_is_asked_later_as_well_as_at_once(torque: float):
     """What acts on a fit of which that was not asked at first."""
     robot = replace(with_sensors(small_robot()), disturbances={})

@@ -64,6 +64,7 @@ def errors(result: oi.Result) -> np.ndarray:
     return (result.base.values - true) / result.base.std
 
 
+@pytest.mark.slow
 def test_the_tide_is_known_where_the_earth_is():
     result = oi.identify(spatial_robot(), recorded(made("tide"), 0))
     assert result.status == "ok", result.warnings
@@ -151,6 +152,7 @@ def test_an_orbit_needs_an_attitude_and_a_time_near_its_epoch():
         oi.identify(in_orbit(), replace(seen, t=seen.t + 1.7e9))
 
 
+@pytest.mark.slow
 def test_without_the_earth_it_is_seen_as_a_slow_torque():
     """Or it is held by what may act in space."""
     flown = made("tide")
@@ -167,7 +169,13 @@ def test_without_the_earth_it_is_seen_as_a_slow_torque():
         assert np.abs(errors(result)).max() < 4
 
 
-@pytest.mark.parametrize("runs", [1, pytest.param(MANY, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "runs",
+    [
+        pytest.param(1, marks=pytest.mark.slow),
+        pytest.param(MANY, marks=pytest.mark.long),
+    ],
+)
 @pytest.mark.parametrize(("acts", "group"), [("air", "air"), ("magnet", "dipole")])
 def test_what_acts_is_identified(acts: str, group: str, runs: int):
     """Air and magnet act one at a time; of the magnet the moment is identified too."""

@@ -56,6 +56,7 @@ def motion(robot: oi.Robot, tmp_path_factory: pytest.TempPathFactory) -> oi.Traj
     return oi.load_trajectory(file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_good_recording_says_too_little_and_nothing_false(robot, motion, seed: int):
     result = oi.identify(robot, oi.simulate(robot, motion, noise="sensors", seed=seed))

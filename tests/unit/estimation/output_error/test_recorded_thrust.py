@@ -1,6 +1,7 @@
 """Recorded thrust: it gives the scale and the mass without any wheel."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
 from orbident.simulation.outside import Pulse
+
+slow = partial(pytest.param, marks=pytest.mark.slow)
 
 RATE, DURATION = 20.0, 60.0
 """Hz and s."""
@@ -88,7 +91,7 @@ def recorded(robot: Robot, flight: FreeFlying, seed: int) -> Recording:
     return replace(seen, columns=columns)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, slow(1)])
 def test_without_wheels(robot, flight, seed):
     """All parameters, the mass, and the force of the thruster that is not known."""
     result = identify(robot, recorded(robot, flight, seed))
@@ -103,7 +106,7 @@ def test_without_wheels(robot, flight, seed):
     assert not result.disturbances
 
 
-@pytest.mark.parametrize("method", ["structured", "least-squares"])
+@pytest.mark.parametrize("method", [slow("structured"), "least-squares"])
 def test_by_other_methods(robot, flight, method):
     """What thrust has given to the momenta is a known term of Eqs. 24 and 31."""
     result = identify(robot, recorded(robot, flight, 0), method)
@@ -118,7 +121,9 @@ def test_the_recursion_needs_a_wheel(robot, flight):
         identify(robot, recorded(robot, flight, 0), "recursive")
 
 
-@pytest.mark.parametrize("method", ["structured", "least-squares", "recursive"])
+@pytest.mark.parametrize(
+    "method", ["recursive", *map(slow, ("structured", "least-squares"))]
+)
 def test_only_maximum_likelihood_takes_long_recordings(robot, flight, method):
     seen, repeated = recorded(robot, flight, 0), 8
     columns = {name: np.tile(x, repeated) for name, x in seen.columns.items()}
@@ -158,6 +163,7 @@ def as_net_wrench(robot: Robot, seen: Recording) -> Recording:
     return replace(seen, columns=columns)
 
 
+@pytest.mark.slow
 def test_a_duty_is_a_part_of_the_full_thrust(robot, flight):
     seen = recorded(robot, flight, 0)
     with_duty, shown = as_duty(robot, seen)
@@ -165,6 +171,7 @@ def test_a_duty_is_a_part_of_the_full_thrust(robot, flight):
     np.testing.assert_allclose(other.base.values, one.base.values, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_net_wrench_is_known_but_for_a_gain(robot, flight):
     """The whole scale is then as uncertain as the gain."""
     result = identify(robot, as_net_wrench(robot, recorded(robot, flight, 0)))

@@ -39,7 +39,9 @@ def one_by_one(robot: Robot, size: float) -> list[Errors]:
     return [Errors(*np.split(row, ends)) for row in size * np.eye(count)]
 
 
-@pytest.fixture(scope="module", params=["planar", "spatial"])
+@pytest.fixture(
+    scope="module", params=["planar", pytest.param("spatial", marks=pytest.mark.slow)]
+)
 def flown(request) -> tuple[Robot, Recording]:
     """A robot and what perfect instruments recorded of it."""
     robot = small_robot() if request.param == "planar" else small_robot_in_space()

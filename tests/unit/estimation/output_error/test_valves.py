@@ -1,6 +1,7 @@
 """Valves that are late, short, on one tank, or dead: against a flight by plain sums."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from orbident.identified.validate import validate
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot, write_robot
 
+slow = partial(pytest.param, marks=pytest.mark.slow)
 KNOWN = "known: {mass: 23.09 +- 0.01 kg}\n"
 FLOOR = f"""{KNOWN}
 disturbances: {{torque_walk: free, force_walk: free, pull: 2 mm/s^2}}
@@ -50,8 +52,10 @@ def dead_ones(result: Result) -> list[str]:
     return [each.name.split(".")[1] for each in named]
 
 
-@pytest.mark.parametrize("known", ["", KNOWN])
-@pytest.mark.parametrize("seed", [1, 6])
+@pytest.mark.parametrize(
+    ("seed", "known"),
+    [(1, KNOWN), *(slow(*each) for each in ((1, ""), (6, ""), (6, KNOWN)))],
+)
 def test_a_dead_valve_is_named_and_the_rest_identified(tmp_path, seed, known):
     truth = with_dead(drawn(seed), 1 + seed % 8)
     result = identify(satellite(tmp_path, more=known), flown(truth, seed))
@@ -64,6 +68,7 @@ def test_a_dead_valve_is_named_and_the_rest_identified(tmp_path, seed, known):
     assert result.mass.std == pytest.approx(expected, rel=0.3)
 
 
+@pytest.mark.slow
 def test_nothing_is_named_where_all_valves_work(tmp_path):
     truth = drawn(3)
     result = identify(satellite(tmp_path), flown(truth, 3))
@@ -81,6 +86,7 @@ def test_valves_that_are_said_to_act_at_once(tmp_path):
     assert result.status == "rejected"
 
 
+@pytest.mark.slow
 def test_a_result_predicts_poses(tmp_path):
     """As well as they are measured, and far better than the robot file's numbers."""
     truth = drawn(2)
@@ -141,6 +147,7 @@ def test_a_floor_that_does_not_push(tmp_path, seed):
     assert 1e-9 < walk.value < walk.std
 
 
+@pytest.mark.slow
 def test_a_cm_from_a_balance(tmp_path):
     truth = drawn(2)
     more = "known: {com: {x: 5.6 +- 0.1 mm, y: 0.8 +- 0.1 mm}}\n"

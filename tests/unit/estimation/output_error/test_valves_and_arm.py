@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
@@ -37,6 +38,7 @@ class Swinging:
         return *wave, -(rate**2) * wave[0]
 
 
+@pytest.mark.slow
 def test_a_dead_valve_beside_an_arm():
     x, y = np.eye(3)[:2]
     thrusters = [

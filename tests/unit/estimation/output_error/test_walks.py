@@ -154,6 +154,7 @@ def test_the_most_likely_density():
     assert abs(np.std(off) - 1) < 0.25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", ["space", "table"])
 def test_a_declared_walk(where, request):
     flown = request.getfixturevalue(where)
@@ -170,7 +171,9 @@ def test_a_declared_walk(where, request):
         np.testing.assert_allclose(own[known], likeliest[known], rtol=0.25)
 
 
-@pytest.mark.parametrize("where", ["space", "table"])
+@pytest.mark.parametrize(
+    "where", ["table", pytest.param("space", marks=pytest.mark.slow)]
+)
 def test_a_walk_of_unknown_size(where, request):
     flown = request.getfixturevalue(where)
     result = flown.identified(flown.asked(), 2)
@@ -193,6 +196,7 @@ def test_where_nothing_walks_the_density_is_small(space):
     assert np.abs(still.off(result)).max() < FAR
 
 
+@pytest.mark.slow
 def test_a_walk_too_weak_to_show_is_left_out(space, monkeypatch):
     """Its 75 waves change no number; that it is declared is in the result."""
     weak = space._replace(walk=MomentumWalk(torque=1e-9))
@@ -237,6 +241,7 @@ def test_intervals(where, said, method, request):
     assert 0.90 < held < 0.99
 
 
+@pytest.mark.slow
 def test_every_method_takes_a_walk_of_unknown_size_into_account(space):
     """It is known once maximum likelihood has followed the momentum."""
     for method in ("least-squares", "structured"):
