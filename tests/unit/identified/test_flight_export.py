@@ -122,6 +122,7 @@ def test_nothing_of_a_heap_or_an_exception(built: Path):
     assert needed <= LIBRARY
 
 
+@pytest.mark.slow
 def test_single_precision_compiles_without_a_double(spatial: Path):
     """The compiler warns of every number that would become a double."""
     paths = [f"-I{spatial}", f"-I{spatial / 'include'}", "-isystem", spatial / "eigen"]

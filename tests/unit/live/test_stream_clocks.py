@@ -68,6 +68,7 @@ def test_times_in_another_unit_are_counted(unit: float):
     assert set(counts) <= {"foreign", "late", "averaged"}
 
 
+@pytest.mark.slow
 def test_a_kilohertz_is_taken_in_and_no_more():
     t = np.arange(20_000) / 10_000
     kept, counts, _ = believed(1e9 + t)

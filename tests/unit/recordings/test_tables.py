@@ -72,7 +72,9 @@ def test_many_batches(tmp_path, suffix):
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize(
+    "suffix", [pytest.param(".csv", marks=pytest.mark.slow), ".parquet"]
+)
 def test_reading_holds_the_recording_and_little_else(tmp_path, suffix):
     t = np.arange(400_000) * 0.05
     columns = {f"x{k}": np.sin(t + k) for k in range(20)}

@@ -67,6 +67,7 @@ def test_our_motion_is_designed_for_a_table():
     assert (scores[0].price or 0) > 50 * (scores[1].price or np.inf)
 
 
+@pytest.mark.slow
 def test_the_papers_method_is_far_off_and_our_motion_is_best(
     slow_sensors: TableStudy,
 ):
@@ -90,6 +91,7 @@ def test_the_papers_method_is_far_off_and_our_motion_is_best(
     assert max(abs(each.sigmas) for each in acted.values()) < FAR
 
 
+@pytest.mark.slow
 def test_what_is_accepted_is_right(slow_sensors: TableStudy):
     assert slow_sensors.trusted
     for way in ("with", "ours"):
@@ -97,6 +99,7 @@ def test_what_is_accepted_is_right(slow_sensors: TableStudy):
         assert np.abs(sigmas).max() < FAR
 
 
+@pytest.mark.slow
 def test_it_is_shown(slow_sensors: TableStudy, tmp_path: Path):
     path = write_study_report(
         slow_sensors, slow_sensors.result, "Study: table", tmp_path
