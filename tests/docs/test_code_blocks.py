@@ -37,7 +37,27 @@ AFTER = {"orbident topics table.bag -o map.yaml": finished_map}
 """What the reader does after a command."""
 
 
-@pytest.mark.parametrize("page", RUNNING, ids=name_of)
+DEAR = {
+    "README.md",
+    *("docs/first-result.md", "docs/gallery.md", "docs/installation.md"),
+    *("docs/paper-studies.md", "docs/skill/SKILL.md", "docs/how-to/thrusters.md"),
+    *("docs/how-to/designing-an-excitation.md", "docs/how-to/campaigns.md"),
+    *("docs/how-to/what-acts-from-outside.md", "docs/how-to/several-recordings.md"),
+    "docs/how-to/laboratory-checklist.md",
+}
+"""Pages whose commands take five seconds or more."""
+
+
+def paged(page: Path):
+    marks = [pytest.mark.slow] if name_of(page) in DEAR else []
+    return pytest.param(page, id=name_of(page), marks=marks)
+
+
+def test_dear_pages_are_there():
+    assert {*map(name_of, RUNNING)} >= DEAR
+
+
+@pytest.mark.parametrize("page", [*map(paged, RUNNING)])
 def test_the_page_runs(
     page: Path,
     tmp_path: Path,

@@ -29,6 +29,7 @@ def made() -> dict[str, str]:
     return make()
 
 
+@pytest.mark.slow
 def test_they_are_those_that_the_command_makes(made: dict[str, str]):
     """`python docs/make_pictures.py` makes them again."""
     assert [path.name for path in KEPT] == sorted(made)

@@ -14,18 +14,22 @@ from oracle import fault, signature
 from shrinking import shrunk
 from watcher import HANG, HEAVY, Outcome, Watcher
 
-CASES, IDENTIFIED = 60, 16
-"""Some 10 s of a processor."""
+SHORT = (20, 4)
+"""Cases, and of these recordings to identify: some seconds of a processor."""
+LONGER = (60, 16)
 
 NO_FILES = Case("test", ("robots",), {})
 DONE = Outcome(status=0, out="", err="", seconds=0.0, peak=0)
 
 
-def test_a_short_run(tmp_path: Path):
-    summary = Campaign(tmp_path, workers=1).run(CASES, IDENTIFIED, 0, absurd=False)
+@pytest.mark.parametrize(
+    ("cases", "identified"), [SHORT, pytest.param(*LONGER, marks=pytest.mark.slow)]
+)
+def test_a_short_run(tmp_path: Path, cases: int, identified: int):
+    summary = Campaign(tmp_path, workers=1).run(cases, identified, 0, absurd=False)
     assert summary.faults == {}, summary.table()
-    assert summary.cases == CASES
-    assert summary.groups["identify"].statuses.total() == IDENTIFIED
+    assert summary.cases == cases
+    assert summary.groups["identify"].statuses.total() == identified
 
 
 @pytest.mark.parametrize(
