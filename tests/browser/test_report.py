@@ -3,6 +3,7 @@
 import csv
 import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from orbident.report.write import report_page
 
 SIZES = {"desk": (1400, 900), "small": (1000, 800), "phone": (400, 800)}
 
+slow = partial(pytest.param, marks=pytest.mark.slow)
 PATIENCE = 60.0
 """s: on two busy cores."""
 
@@ -28,7 +30,10 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
         yield browser
 
 
-@pytest.fixture(scope="module", params=SIZES)
+@pytest.fixture(
+    scope="module",
+    params=["desk", *map(slow, ("small", "phone"))],
+)
 def page(
     request: pytest.FixtureRequest,
     browser: Chrome,

@@ -96,6 +96,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
             close(server)
 
 
+@pytest.mark.slow
 def test_the_robot_is_drawn(shown: Shown):
     def lit() -> bool:
         # The base's grey and the arm's orange, in many lights.
@@ -117,6 +118,7 @@ def test_a_hostile_name_is_text(shown: Shown):
     assert shown.browser.title != "hit"
 
 
+@pytest.mark.slow
 def test_it_plays(shown: Shown):
     before = shown.picture()
     shown.press("Play")
@@ -129,6 +131,7 @@ def test_it_plays(shown: Shown):
     assert shown.page._time.value == stopped
 
 
+@pytest.mark.slow
 def test_it_can_be_scrubbed(shown: Shown):
     before = shown.picture()
     start = shown.page._time.value
@@ -146,6 +149,7 @@ def test_the_panel_is_beside_the_robot(shown: Shown):
     assert shown.place(".uplot canvas")["width"] > 200
 
 
+@pytest.mark.slow
 def test_trails_and_names_are_drawn(shown: Shown):
     before = shown.picture()
     shown.page._traced.value = shown.page._named.value = True

@@ -44,7 +44,10 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield opened
 
 
-@pytest.fixture(scope="module", params=["127.0.0.1", "0.0.0.0"])
+@pytest.fixture(
+    scope="module",
+    params=["127.0.0.1", pytest.param("0.0.0.0", marks=pytest.mark.slow)],
+)
 def served(request: pytest.FixtureRequest) -> Iterator[Served]:
     opened = open_server(request.param, 0)
     heading(opened.server, TITLE)

@@ -24,6 +24,7 @@ def program(name: str) -> str:
     return ran.stdout
 
 
+@pytest.mark.slow
 def test_before_every_call_of_the_file_system():
     """Each case was killed at many places, so that none was skipped."""
     kills = dict(line.split() for line in program("crash_points.py").splitlines())

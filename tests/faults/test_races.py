@@ -31,6 +31,7 @@ def test_many_writers_and_readers():
     assert program("rivals.py") == ""
 
 
+@pytest.mark.slow
 def test_two_identifications(shelf: Callable[..., Shelf], tmp_path: Path):
     assert raced(0, SPARING, shelf, tmp_path) == "identify: [0, 2]"
 
