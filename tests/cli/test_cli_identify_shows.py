@@ -111,7 +111,7 @@ def test_what_limits_it_is_on_the_screen_too(orbident: Orbident):
     assert [name for name in found["parameters"] if name not in firsts] == []
 
 
-@pytest.mark.parametrize("more", [(), ("--all",)])
+@pytest.mark.parametrize("more", [(), pytest.param(("--all",), marks=pytest.mark.slow)])
 def test_a_refused_result_has_no_numbers(
     orbident: Orbident, flight: Recording, more: tuple[str, ...]
 ):

@@ -157,7 +157,8 @@ def test_planar_with_a_slide(orbident: Orbident, tmp_path: Path):
     Whole(orbident, robot_file(tmp_path, text, lines)).check("spun up", duration=20.0)
 
 
-@pytest.mark.parametrize("wheels", [pytest.param(1, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("wheels", [1, 3])
 @needs_shared
 def test_astrobee(orbident: Orbident, tmp_path: Path, wheels: int):
     """NASA's Astrobee with its perching arm. It has no wheels: these are added."""
