@@ -118,7 +118,7 @@ def noisier(recording: Recording, seed: int) -> dict[str, np.ndarray]:
     }
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
 def test_noise_that_changes_its_sign_from_sample_to_sample(robot, recording, sign):
     """It is less alike than white noise: the root of that would be no number."""
     there_and_back = 5e-3 * (-1.0) ** np.arange(recording.t.size)
