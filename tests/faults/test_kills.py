@@ -64,7 +64,10 @@ def killed(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
     return f"{name}: " + ("writing" if left else "in time" if in_time else "too late")
 
 
-@pytest.mark.parametrize("seed", range(len(QUICK)))
+@pytest.mark.parametrize(
+    "seed",
+    [*(pytest.param(k, marks=pytest.mark.slow) for k in range(len(QUICK) - 1)), 3],
+)
 def test_some(shelf: Callable[..., Shelf], tmp_path: Path, seed: int):
     killed(seed, QUICK, shelf, tmp_path)
 

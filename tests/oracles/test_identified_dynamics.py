@@ -19,6 +19,7 @@ import pytest
 from pinocchio_model import paper_equations
 from random_motions import random_motion
 
+from orbident.diagnosis import linear_test
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.exported_robot import exported_robot, exported_urdf
@@ -36,10 +37,7 @@ EXACT = 1e-8
 BY_PINOCCHIO = 1e-6
 
 ASTROBEE = Path(__file__).parents[2].parent / "shared" / "robots" / "astrobee"
-ROBOTS = (
-    *("paper-spatial", "cepheus-like", "astrobee"),
-    pytest.param("dual-arm", marks=pytest.mark.slow),
-)
+ROBOTS = ("paper-spatial", "cepheus-like", "dual-arm", "astrobee")
 
 
 class Case(NamedTuple):
@@ -56,14 +54,18 @@ def case(request, tmp_path_factory) -> Case:
         recording = simulate(robot, random_motion(robot, wheel_speed=250.0))
     elif request.param == "dual-arm":
         robot = without_stops(load_robot("dual-arm"))
-        recording = simulate(robot, random_motion(robot, duration=60.0), rate=20.0)
+        recording = simulate(robot, random_motion(robot, duration=60.0), rate=50.0)
     else:
         robot = load_robot(request.param)
         start = "spun up" if robot.motion == "planar" else "turning"
         recording = simulate(robot, random_motion(robot, start=start))
     momentum = "at-rest" if robot.motion == "planar" else "unknown"
     cad = off_by(robot, 0.35, seed=1)
-    result = identify(cad, recording, "least-squares", momentum)
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "dual-arm":
+            # No convention is another one: to try all 320 of 496 `pi` takes a minute.
+            patch.setattr(linear_test, "plain_mistake", lambda _: [])
+        result = identify(cad, recording, "least-squares", momentum)
     assert result.status == "ok"
     random = np.random.default_rng(0)
     q = random.standard_normal((STATES, len(robot.joints)))
