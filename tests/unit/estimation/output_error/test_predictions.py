@@ -162,7 +162,7 @@ def test_a_selected_calibration_has_the_column_that_it_has_among_all():
 
 
 @pytest.mark.slow
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     seed=st.integers(0, 2**20),
     joints=st.integers(1, 4),
