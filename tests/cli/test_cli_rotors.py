@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from running import Orbident
 
 ROTORS = "rotors: {joint1: {gear: 120, inertia: 4e-5, tolerance: 20 %}, joint3: none}\n"
@@ -21,6 +22,7 @@ initial: {angular_velocity: [0.01, 0.03, 0.025], wheel_speed: {rw1: 200, rw2: 30
 LACKS = "motors' rotors are not in the inertia of 'joint2', which lacks gear^2"
 
 
+@pytest.mark.slow
 def test_from_the_file_to_the_export(orbident: Orbident):
     orbident("new", "arm.yaml").done()
     Path("arm.yaml").write_text(Path("arm.yaml").read_text() + ROTORS)

@@ -114,6 +114,7 @@ def test_what_is_damped_by_half_of_critical_is_no_ring():
         assert ring_of(*signals(seed, 0.5, zeta=0.5)) is None
 
 
+@pytest.mark.slow
 def test_noise_and_what_moves_with_the_joints_are_no_rings():
     """White noise; encoders of wrong scale or off centre; and a gear with play.
 

@@ -6,6 +6,7 @@ A momentum that is known does (Eq. 24).
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from random_motions import random_motion
 from random_robots import random_planar_robot
 
@@ -40,6 +41,7 @@ def scale_seen(seed: int, momentum: InitialMomentum) -> bool:
     return momentum_problem(robot, recording, momentum, lambda _: None).scale_seen
 
 
+@pytest.mark.slow
 def test_noise_of_a_steady_wheel_is_no_scale():
     assert not any(scale_seen(seed, "unknown") for seed in range(8))
 

@@ -99,6 +99,7 @@ def test_what_is_larger_than_it_may_be_is_a_surprise(made_up: MadeUp):
     assert surprise_of(made_up.problem, found, "pull").p < 1e-4
 
 
+@pytest.mark.slow
 def test_the_most_likely_size_is_that_drawn(made_up: MadeUp):
     """All numbers are known to a tenth of their size, by equations of their own."""
     random = np.random.default_rng(3)

@@ -185,6 +185,7 @@ def test_a_walk_of_unknown_size(where, request):
         assert abs(np.log(found.value / true)) < FAR * found.std / found.value
 
 
+@pytest.mark.slow
 def test_where_nothing_walks_the_density_is_small(space):
     """An unneeded walk costs some width of intervals, and no bias."""
     still = space._replace(walk=MomentumWalk())
