@@ -97,7 +97,7 @@ def test_in_space_with_wheels(tmp_path: Path):
         f"{SENSORS}  wheels: {{tachometer: 0.01, rate: 20}}\n"
     )
     robot = load_robot(path)
-    motion = designed(robot, starts=2, base_rate=0.5)
+    motion = designed(robot, 8.0, starts=1, base_rate=0.5)
     assert bound_of(robot, motion).parameters.base.determined.all()
     with pytest.raises(InputError, match="flies in space"):
         designed(robot, table=TableSize(1.0, 1.0))
