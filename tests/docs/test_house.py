@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 310,
-    "lines": 65_237,
+    "files": 297,
+    "lines": 64_402,
     "files of estimation": 50,
     "lines of estimation": 12_335,
-    "files with one user": 67,
+    "files with one user": 63,
     "imports below each other": 30,
     "numbers without a reason": 38,
 }

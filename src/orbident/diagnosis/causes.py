@@ -208,9 +208,11 @@ def _unexplained(
     falls = before - best.misfit if best else -np.inf
     # Then no event is left to explain, though the residuals may not be white.
     shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
-    ended = process_time() > end
-    happened = None if shrunk else event(problem)
-    more = f"; {SEARCH_ON}" if ended else ""
+    over = process_time() - end
+    # An event is sought by some ten fits: where one of them takes long, by none.
+    looked = over < LEAST
+    happened = event(problem) if looked and not shrunk else None
+    more = f"; {SEARCH_ON}" if over > 0 else ""
     likeliest = best.cause if best is not None and falls > EXPLAINS else ""
     if happened is not None and (happened.sure or not likeliest):
         # What leaves most of it is no help beside what happened.
@@ -225,10 +227,10 @@ def _unexplained(
             falls,
         )
     else:
+        fits = "no part of the recording fits, and " if looked else ""
         yield _found(
-            "no part of the recording fits, and no cause that was tried explains it "
-            "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
-            "joints)",
+            f"{fits}no cause that was tried explains it (perhaps something moves in "
+            "the robot: a loose mass, sloshing, flexible joints)",
             f"see whether anything in it is loose or acts on it{more}",
         )
 
@@ -270,10 +272,9 @@ def _tried(
     before: float,
     end: float,
 ) -> list[Trial]:
-    """The plainest first: where some of these explain all, the rest need not be.
+    """Where some of these explain all, the rest need not be tried.
 
-    All others are tried in the order of what they would explain to first order, until
-    the CPU's time is at its end.
+    That goes on until the CPU's time is at its end.
     """
     trials, untried = list[Trial](), list[Scored]()
     for some in _stages(solved, conventions, untried, before):
@@ -292,9 +293,9 @@ def _stages(
     untried: list[Scored],
     before: float,
 ) -> Iterator[Iterable[Trial]]:
-    """What is tried, the plainest first; and what has a score and is not tried yet."""
+    """What is tried, in this order; and what has a score and is not tried yet."""
     problem = solved.problem
-    yield from (noisier_sensors(problem), spikes(problem), smoothed(problem))
+    yield smoothed(problem)
     yield _written(conventions, problem)
     yield point_of_a_link(problem)
     # What the linear equations see is no small error, which others would follow.
@@ -303,6 +304,8 @@ def _stages(
     yield clocks(problem, late) if far else ()
     untried += sorted(every_score(solved, before), key=lambda each: -each.falls)
     yield likeliest(untried)
+    # A part that swings fast looks like noise, and like spikes.
+    yield from (noisier_sensors(problem), spikes(problem))
     # Wrong inertias of known wheels may look like another one.
     yield missing_wheel(problem)
     yield () if far else clocks(problem, late)

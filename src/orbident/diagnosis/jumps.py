@@ -13,6 +13,7 @@ import numpy as np
 from orbident.diagnosis.shifts import axes_of, shifted, shown_by
 from orbident.diagnosis.suspects import Numbers, Scores, Suspect, tried
 from orbident.diagnosis.trial import Trial
+from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
@@ -67,7 +68,7 @@ def jumps(problem: MomentumProblem, shown: Estimate, before: float) -> Iterator[
         rows = [jump.row for jump in slow if jump.sensor == sensor]
         suspect = jumping(problem, sensor, rows[:MOST])
         (first,) = Scores(problem, shown.solution).of([suspect])
-        if first.values.size:
+        if first.fall > WORTH:
             trials = tried(problem, suspect, first, before)
             yield from (one._replace(seen=True) for one in trials)
 

@@ -23,6 +23,11 @@ LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
 
+FIRST_ORDER = 0.5
+"""Part of the score of what is accepted above which another one may explain as much:
+scores are of first order."""
+
+
 class Scored(NamedTuple):
     """What may be wrong, before it is tried."""
 
@@ -34,11 +39,17 @@ class Scored(NamedTuple):
 
 
 def likeliest(untried: list[Scored]) -> Iterator[Trial]:
-    """Suspects and kinds of instruments' errors with the best scores, tried."""
+    """Suspects and kinds of instruments' errors with the best scores, tried.
+
+    Beside one that is accepted only those are that may explain as much.
+    """
+    least = WORTH
     for _ in range(LIKELIEST):
-        if untried and untried[0].falls > WORTH:
+        if untried and untried[0].falls > least:
             first = untried.pop(0)
             for one in first.put():
+                if one.accepted:
+                    least = max(least, FIRST_ORDER * first.falls)
                 yield one._replace(score=first.falls)
 
 

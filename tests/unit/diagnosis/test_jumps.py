@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from cause_problems import clean, fitted, problem_with, with_recording
 
+from orbident.diagnosis import jumps as module
 from orbident.diagnosis.jumps import jumping, jumps, steps
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Scores
+from orbident.preprocessing.leaps import Jump
 
 ONES = np.ones(3)
 
@@ -20,6 +22,16 @@ def test_a_joint_that_slips_is_put_right():
     assert found.accepted
     assert "joint joint2 slips" in found.cause
     assert "t = 15 s" in found.cause
+
+
+def test_a_joint_that_bends_seems_to_jump_and_that_explains_nothing(monkeypatch):
+    """What a fast motion looks like between samples is no trial worth."""
+    problem = problem_with()
+    seen = Jump("joint.joint2", 150, 100.0, np.array([1e-6]), np.array([0.0]))
+    monkeypatch.setattr(
+        module, "jumps_of", lambda sensor, *_: [seen] * (sensor == seen.sensor)
+    )
+    assert [*jumps(problem, fitted(problem), np.inf)] == []
 
 
 @pytest.mark.slow

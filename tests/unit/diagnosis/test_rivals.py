@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.diagnosis.causes import _best, _explained
+from orbident.diagnosis.likeliest import LIKELIEST, Scored, likeliest
 from orbident.diagnosis.trial import NONE, Rival, Trial
 from orbident.estimation.clock_search import WORTH
 
@@ -76,3 +77,23 @@ def test_one_that_explains_much_less_or_not_all_is_no_rival(accepted, misfit):
     best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
     assert best is not None
     assert best.rival == NONE
+
+
+@pytest.mark.parametrize(
+    ("accepted", "tried"),
+    [(True, ["100", "60"]), (False, ["100", "60", "40"])],
+)
+def test_beside_what_is_accepted_only_what_may_explain_as_much_is_tried(
+    accepted, tried
+):
+    """Scores are of first order: half of one may be as good in a fit."""
+
+    def scored(falls: float) -> Scored:
+        cause = f"{falls:.0f}"
+        return Scored(falls, cause, lambda: [Trial(cause, accepted, 0.0)])
+
+    untried = [scored(each) for each in (100.0, 60.0, 40.0, 30.0)]
+    found = [*likeliest(untried)]
+    assert [one.cause for one in found] == tried
+    assert [one.score for one in found] == [float(each) for each in tried]
+    assert len(found) + len(untried) == LIKELIEST + 1
