@@ -138,5 +138,5 @@ KINDS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("mistake", KINDS.values(), ids=lambda x: x.name)
 def test_every_row_of_the_tables_can_be_recorded(mistake: Mistake):
-    """What the long tables try in half an hour begins here, of the last robot of each."""
+    """What the long tables try in half an hour begins here, on one robot each."""
     assert mistake.spoil(clean(mistake.robots[-1])).recording.t.size
