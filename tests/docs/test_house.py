@@ -11,8 +11,8 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 297,
-    "lines": 64_402,
+    "files": 299,
+    "lines": 64_439,
     "files of estimation": 50,
     "lines of estimation": 12_335,
     "files with one user": 63,

@@ -87,7 +87,7 @@ def _added(comparison: Any) -> list[Any]:
 
 
 def _numbers(value: float, std: float) -> list[str]:
-    from orbident.identified.comparison import interval_95
+    from orbident.identified.single_body import interval_95
 
     if value != value:
         return ["-"] * 4

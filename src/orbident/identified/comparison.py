@@ -1,199 +1,35 @@
-"""What was captured, or let go: two results of one robot, before and after.
-
-Mass, CM and inertia of what joined follow from ten parameters. Not every inertia is
-that of a body, within what is known of it.
-"""
+"""What was captured, or let go: two results of one robot, before and after."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Float, Inexact
 
 from orbident.errors import InputError
 from orbident.estimation.levels import ChiSquare
 from orbident.estimation.parameter_checks import VAGUE
-from orbident.estimation.quantities import Parameters, Quantity
 from orbident.estimation.result import Result
-from orbident.files.json_parts import nulled
-from orbident.files.names import suggestion
-from orbident.gaussian import NINETY_FIVE
+from orbident.files.names import joined, suggestion
 from orbident.identified.difference import (
-    Explanation,
+    Difference,
     check_same_robot,
+    determined_combinations,
     difference_of,
+)
+from orbident.identified.single_body import (
+    AddedBody,
+    Explanation,
+    added_body,
     explanations,
-    lost,
+    free_columns,
     total,
-    undetermined,
 )
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import (
-    FIRST_MOMENT,
-    INERTIA,
-    INERTIA_ENTRIES,
-    MASS,
     PER_BODY,
     SYMBOLS,
-    inertia_matrix,
 )
-
-STEP = 1e-30
-"""Imaginary: so small that the derivative of a rational function is exact."""
-I_COM = (
-    "Ixx - (my^2 + mz^2)/m",
-    "Ixy + mx my/m",
-    "Iyy - (mx^2 + mz^2)/m",
-    "Ixz + mx mz/m",
-    "Iyz + my mz/m",
-    "Izz - (mx^2 + my^2)/m",
-)
-
-
-class AddedBody(NamedTuple):
-    """What joined a body of the robot, in that body's frame; NaN: not determined.
-
-    Of what left, mass and inertia are negative.
-    """
-
-    theta: Float[np.ndarray, "10"]
-    """The ten parameters, in the order of `robot.parameters`."""
-    covariance: Float[np.ndarray, "10 10"]
-    mass: Quantity
-    """kg."""
-    com: Parameters
-    """Position of its CM from the origin of the body's frame, m."""
-    I_com: Parameters
-    """About its own CM, kg m^2."""
-    I_origin: Parameters
-    """About the origin of the body's frame, kg m^2."""
-    impossible: str | None
-    """Why no body can be like this, its covariance considered; None where one can."""
-
-    def to_json(self) -> dict[str, Any]:
-        """The body with 95 % intervals and the covariance of its ten parameters."""
-        sets = {
-            "com": self.com,
-            "inertia_about_com": self.I_com,
-            "inertia_about_origin": self.I_origin,
-        }
-        return {
-            "mass": {
-                "value": nulled(self.mass.value),
-                "std": nulled(self.mass.std),
-                "interval": nulled(interval_95(self.mass.value, self.mass.std)),
-            },
-            **{
-                name: {
-                    **found.to_json(),
-                    "intervals": [
-                        nulled(interval_95(value, std)) for _, _, value, std in found
-                    ],
-                }
-                for name, found in sets.items()
-            },
-            "theta": {
-                "names": list(SYMBOLS),
-                "values": nulled(self.theta),
-                "covariance": nulled(self.covariance),
-            },
-        }
-
-
-def interval_95(value: float, std: float) -> Float[np.ndarray, "2"]:
-    """The 95 % interval."""
-    return value + NINETY_FIVE * std * np.array([-1.0, 1.0])
-
-
-def added_body(
-    theta: Float[np.ndarray, "10"], covariance: Float[np.ndarray, "10 10"]
-) -> AddedBody:
-    """The body with these parameters.
-
-    They are about the origin of the body's frame, its axes; NaN where not determined.
-    """
-    std = np.sqrt(np.diag(covariance))
-    values, C = _about_com(theta, covariance)
-    stds, names = np.sqrt(np.diag(C)), SYMBOLS[INERTIA]
-    return AddedBody(
-        theta=theta,
-        covariance=covariance,
-        mass=Quantity(float(theta[MASS]), float(std[MASS])),
-        com=Parameters(
-            ("cx", "cy", "cz"), ("mx/m", "my/m", "mz/m"), values[:3], stds[:3]
-        ),
-        I_com=Parameters(names, I_COM, values[3:], stds[3:]),
-        I_origin=Parameters(names, names, theta[INERTIA], std[INERTIA]),
-        impossible=impossible(np.sign(theta[MASS]) * values[3:], C[3:, 3:]),
-    )
-
-
-def _about_com(
-    theta: Float[np.ndarray, "10"], covariance: Float[np.ndarray, "10 10"]
-) -> tuple[Float[np.ndarray, "9"], Float[np.ndarray, "9 9"]]:
-    """`c` and the inertia about it, of first order; NaN where not determined."""
-    m, std = theta[MASS], np.sqrt(covariance[MASS, MASS])
-    if not std < VAGUE * abs(m):
-        return np.full(9, np.nan), np.full((9, 9), np.nan)
-    known = np.isfinite(theta)
-    at = np.where(known, theta, 0.0)
-    J = np.column_stack(
-        [np.imag(_com_and_inertia(at + 1j * STEP * e)) / STEP for e in np.eye(PER_BODY)]
-    )
-    values = _com_and_inertia(theta)
-    C = J @ np.where(np.outer(known, known), covariance, 0.0) @ J.T
-    told = np.isfinite(values)
-    return values, np.where(np.outer(told, told), C, np.nan)
-
-
-def _com_and_inertia(theta: Inexact[np.ndarray, "10"]) -> Inexact[np.ndarray, "9"]:
-    """`c = s / m` and `I + [s]x [c]x`: each entry from those that it needs alone."""
-    s = theta[FIRST_MOMENT]
-    c = s / theta[MASS]
-    I = [
-        value + (s[a] * c[b] if a != b else -sum(np.delete(s * c, a)))
-        for value, (a, b) in zip(theta[INERTIA], INERTIA_ENTRIES, strict=True)
-    ]
-    return np.array([*c, *I])
-
-
-CERTAIN = 3.0
-"""Standard deviations below zero that are no chance."""
-
-
-def impossible(
-    I_com: Float[np.ndarray, "6"], C: Float[np.ndarray, "6 6"]
-) -> str | None:
-    """Why no body can have this inertia about its CM; None where one can.
-
-    Second moments are not negative in any direction `v`: `tr I / 2 - v^T I v >= 0`,
-    which is least along the axis of the largest moment. Where not all of `I` is
-    determined, what is determined of its diagonal must not be negative. The inertia is
-    in kg m^2, NaN where not determined, and `C` is its covariance.
-    """
-    if np.isfinite(I_com).all():
-        return _flat(I_com, C)
-    for k, (a, b) in enumerate(INERTIA_ENTRIES):
-        if a == b and I_com[k] < -CERTAIN * np.sqrt(C[k, k]):
-            symbol = SYMBOLS[INERTIA][k]
-            return f"{symbol} about its CM, {I_com[k]:.4g} kg m^2, is negative"
-    return None
-
-
-def _flat(I_com: Float[np.ndarray, "6"], C: Float[np.ndarray, "6 6"]) -> str | None:
-    moments, axes = np.linalg.eigh(inertia_matrix(np.append(np.zeros(4), I_com)))
-    v = axes[:, -1]
-    g = np.array(
-        [0.5 - v[a] ** 2 if a == b else -2 * v[a] * v[b] for a, b in INERTIA_ENTRIES]
-    )
-    if g @ I_com >= -CERTAIN * np.sqrt(g @ C @ g):
-        return None
-    x, y, z = (f"{moment:.4g}" for moment in moments)
-    return (
-        f"its principal moments {x}, {y}, {z} kg m^2 violate the triangle inequality "
-        "by more than chance"
-    )
 
 
 @dataclass(frozen=True, repr=False)
@@ -372,3 +208,38 @@ def doubts(best: Explanation, holder: Robot, added: AddedBody) -> tuple[str, ...
     if added.impossible:
         words.append(f"no body is like this: {added.impossible}")
     return tuple(words)
+
+
+def lost(before: Result, after: Result) -> str:
+    """What the results do not determine."""
+    parts = []
+    for when, result in (("before", before), ("after", after)):
+        unknown = np.flatnonzero(~np.isfinite(result.base.values))
+        names = [result.base.names[k] for k in unknown]
+        if names:
+            parts.append(f"the run {when} does not determine {joined(names)}")
+    return " and ".join(parts)
+
+
+def undetermined(
+    best: Explanation,
+    difference: Difference,
+    holder: Robot,
+    before: Result,
+    after: Result,
+) -> dict[str, str]:
+    """Why, for every parameter of the captured body that is not determined."""
+    i = holder.bodies.index(best.body)
+    free = free_columns(holder, i)
+    shows = free[determined_combinations(difference.T_c[:, PER_BODY * i + free]).alone]
+    plane = " of planar motion" if holder.motion == "planar" else ""
+    reasons = {}
+    for k in np.flatnonzero(np.isnan(best.theta)):
+        if k not in free:
+            reason = f"the structure of '{best.body}' takes it as zero"
+        elif k not in shows:
+            reason = f"does not show in the momentum{plane}"
+        else:
+            reason = lost(before, after)
+        reasons[SYMBOLS[k]] = reason
+    return reasons

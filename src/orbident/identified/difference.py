@@ -12,9 +12,6 @@ whatever `theta` has this `beta`. A body `theta_t` that joins body `i` adds
 
     d = J_after beta_after - J_before beta_before = T_c[:, i] theta_t + e,
     cov e = J_after C_after J_after^T + J_before C_before J_before^T.
-
-Each body in turn may be the one that something joined: `theta_t` follows by generalised
-least squares, and what it leaves says which body it is.
 """
 
 from collections.abc import Mapping
@@ -22,16 +19,14 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy.linalg import null_space
 
 from orbident.errors import InputError
-from orbident.estimation.levels import ChiSquare
 from orbident.estimation.result import Result
-from orbident.files.names import joined, listed
+from orbident.files.names import listed
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
-from orbident.robot.parameters import PER_BODY, SYMBOLS
 
 TOLERANCE = 1e-9
 """Relative, and in m: what a change of a file's digits may do."""
@@ -220,102 +215,3 @@ def _known(
         principal_axes=a.principal_axes and b.principal_axes,
         massless=a.massless and b.massless,
     )
-
-
-class Explanation(NamedTuple):
-    """The body that joined `body`, by generalised least squares."""
-
-    body: str
-    theta: Float[np.ndarray, "10"]
-    """About the origin of `body`'s frame, its axes; NaN where not determined."""
-    covariance: Float[np.ndarray, "10 10"]
-    left: ChiSquare
-    """Chi-square of what it leaves unexplained."""
-    probability: float
-    """That it is this body, if it is one (Akaike's weight)."""
-
-
-def total(difference: Difference) -> ChiSquare:
-    """Chi-square of the difference itself: only noise where nothing changed."""
-    return ChiSquare(
-        float(np.sum((difference.W @ difference.d) ** 2)), difference.d.size
-    )
-
-
-def explanations(difference: Difference, robot: Robot) -> tuple[Explanation, ...]:
-    """Every body in turn, the most probable first; of equals the ends of the arms.
-
-    The robot is the one that holds what was captured.
-    """
-    fits = [_fit(difference, robot, i) for i in range(len(robot.bodies))]
-    # -2 log likelihood, and 2 for every parameter (Akaike 1974).
-    criteria = np.array([fit.left.value - 2.0 * fit.left.dof for fit in fits])
-    weights = np.exp(-(criteria - criteria.min()) / 2)
-    weights /= weights.sum()
-    parents = {joint.parent for joint in robot.joints}
-    order = sorted(range(len(fits)), key=lambda i: (criteria[i].round(6), i in parents))
-    return tuple(fits[i]._replace(probability=float(weights[i])) for i in order)
-
-
-def free_columns(robot: Robot, i: int) -> Int[np.ndarray, " free"]:
-    """The columns of `theta` that the structure of body `i` leaves free."""
-    zero = robot.structure.get(robot.bodies[i], Structure()).zero_parameters()
-    return np.array([k for k in range(PER_BODY) if SYMBOLS[k] not in zero])
-
-
-def _fit(difference: Difference, robot: Robot, i: int) -> Explanation:
-    d, T, W, _ = difference
-    free = free_columns(robot, i)
-    X = T[:, PER_BODY * i + free]
-    V, alone = determined_combinations(X)
-    # d = X V z + e, of which W e is white; theta_t = V z.
-    WX = W @ X @ V
-    inverse = np.linalg.pinv(WX)
-    G = V @ inverse
-    known = np.outer(alone, alone)
-    theta, covariance = np.full(PER_BODY, np.nan), np.full((PER_BODY, PER_BODY), np.nan)
-    theta[free] = np.where(alone, G @ W @ d, np.nan)
-    covariance[np.ix_(free, free)] = np.where(known, G @ G.T, np.nan)
-    residual = W @ d - WX @ (inverse @ W @ d)
-    return Explanation(
-        body=robot.bodies[i],
-        theta=theta,
-        covariance=covariance,
-        left=ChiSquare(float(residual @ residual), d.size - V.shape[1]),
-        probability=0.0,
-    )
-
-
-def lost(before: Result, after: Result) -> str:
-    """What the results do not determine."""
-    parts = []
-    for when, result in (("before", before), ("after", after)):
-        unknown = np.flatnonzero(~np.isfinite(result.base.values))
-        names = [result.base.names[k] for k in unknown]
-        if names:
-            parts.append(f"the run {when} does not determine {joined(names)}")
-    return " and ".join(parts)
-
-
-def undetermined(
-    best: Explanation,
-    difference: Difference,
-    holder: Robot,
-    before: Result,
-    after: Result,
-) -> dict[str, str]:
-    """Why, for every parameter of the captured body that is not determined."""
-    i = holder.bodies.index(best.body)
-    free = free_columns(holder, i)
-    shows = free[determined_combinations(difference.T_c[:, PER_BODY * i + free]).alone]
-    plane = " of planar motion" if holder.motion == "planar" else ""
-    reasons = {}
-    for k in np.flatnonzero(np.isnan(best.theta)):
-        if k not in free:
-            reason = f"the structure of '{best.body}' takes it as zero"
-        elif k not in shows:
-            reason = f"does not show in the momentum{plane}"
-        else:
-            reason = lost(before, after)
-        reasons[SYMBOLS[k]] = reason
-    return reasons

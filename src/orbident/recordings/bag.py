@@ -17,14 +17,13 @@ from orbident.extras import extra
 from orbident.files.names import one_line
 from orbident.recordings.source import RawMessage, Source
 
-# The one import of these libraries, also of what writes bags.
+# The one import of the libraries that read bags.
 with extra("ros", "reading or writing a bag"):
     from mcap.exceptions import EndOfFile as McapEnd
     from mcap.reader import NonSeekingReader as McapStream
     from mcap.reader import SeekingReader as McapIndex
     from mcap.records import Channel as McapChannel
     from mcap.records import Schema as McapSchema
-    from mcap.writer import Writer as McapWriter  # noqa: F401
     from rosbags.interfaces import MessageDefinitionFormat, TopicInfo
     from rosbags.rosbag1 import Reader as Ros1Reader
     from rosbags.rosbag1.reader import Header as Ros1Header

@@ -60,7 +60,7 @@ class UrdfJoint:
 
     name: str
     kind: str
-    """Of `KINDS`."""
+    """The type of the joint: one of those in `KINDS`."""
     parent: str
     child: str
     R: Float[np.ndarray, "3 3"]

@@ -16,13 +16,17 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signal, Signals
+from orbident.extras import extra
 from orbident.files.replacing import replacing
 from orbident.model.kinematics import poses
 from orbident.model.rotations import UNTURNED, quaternion_matrix, rotate
-from orbident.recordings.bag import McapWriter, Stores, get_typestore
+from orbident.recordings.bag import Stores, get_typestore
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.replay import MotionHistory, predicted_motion
+
+with extra("ros", "writing a bag"):
+    from mcap.writer import Writer as McapWriter
 
 ROS2 = get_typestore(Stores.ROS2_HUMBLE)
 

@@ -17,16 +17,14 @@ from orbident.identified.validate import SCORED, Validation, scored
 from orbident.model.kinematics import JointState
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.flight import (
-    FlyingState,
-    FreeFlying,
+from orbident.simulation.control_laws import (
     Hold,
     JointPD,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
-    standing,
 )
+from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight

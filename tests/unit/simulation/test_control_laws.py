@@ -8,10 +8,8 @@ from random_robots import random_quaternion, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot, Wheel
-from orbident.simulation.flight import (
+from orbident.simulation.control_laws import (
     ComputedTorque,
-    FlyingState,
-    FreeFlying,
     Hold,
     JointLaw,
     JointPD,
@@ -20,6 +18,7 @@ from orbident.simulation.flight import (
     WheelSpeed,
     attitude_hold,
 )
+from orbident.simulation.flight import FlyingState, FreeFlying
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies.control import Slew

@@ -10,17 +10,16 @@ from orbident.errors import InputError
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.flight import (
+from orbident.simulation.control_laws import (
     ComputedTorque,
-    FreeFlying,
     Hold,
     JointPD,
     OpenLoop,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
-    standing,
 )
+from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse
