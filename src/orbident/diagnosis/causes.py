@@ -1,6 +1,7 @@
 """Why a recording is refused: causes are tried, and what explains it is named."""
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from time import process_time
 
 import numpy as np
@@ -10,11 +11,7 @@ from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import smoothed
 from orbident.diagnosis.frames import missing_wheel, point_of_a_link
 from orbident.diagnosis.jumps import jumps
-from orbident.diagnosis.late_clocks import (
-    already_corrected,
-    clocks,
-    far_off,
-)
+from orbident.diagnosis.late_clocks import already_corrected, clocks, far_off
 from orbident.diagnosis.likeliest import LIKELIEST, Scored, every_score, likeliest
 from orbident.diagnosis.linear_test import (
     FALLS,
@@ -29,7 +26,15 @@ from orbident.diagnosis.noisier_sensors import (
 from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.trial import Rival, Trial, amended_trial
+from orbident.diagnosis.trial import (
+    OutOfTimeError,
+    Rival,
+    Trial,
+    amended_trial,
+    chi_square_left,
+    given_up_at,
+    is_as_noise,
+)
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
@@ -37,7 +42,7 @@ from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.joint_laws import elsewhere
 from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
-from orbident.estimation.residual_checks import NOISY, leaves_nothing
+from orbident.estimation.residual_checks import leaves_nothing
 from orbident.files.names import joined
 from orbident.recordings.column_checks import float32_step
 from orbident.threads import one_blas_thread
@@ -53,7 +58,7 @@ MOST = 0.5
 """Part of what a trial explains that clocks did which had been corrected before it; and
 part of chi-square that a trial leaves which explains most."""
 
-SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
+SEARCH_ON = "; the search ended after some seconds, and '--causes all' goes on"
 """What is said where not all causes were tried."""
 
 LOST = 6
@@ -61,12 +66,15 @@ LOST = 6
 are wrong, putting one of them right does not bring a fit."""
 
 
-QUICK = 8.0
+QUICK = 7.0
 """s of CPU, with those of the fit before it, after which a quick search begins no
-further trial: with a look for an event after it, an answer takes ten."""
+further trial of a cause."""
 
-LEAST = 3.0
-"""s of CPU that a quick search has in any case."""
+ANSWER = 10.0
+"""s of CPU, too, after which it gives up what it is at: an event takes ten fits."""
+
+LEAST = 6.0
+"""s of CPU that a quick search has in any case, the last `ANSWER - QUICK` for that."""
 
 
 @one_blas_thread
@@ -80,8 +88,14 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
     said = {one.name for one in solved.hindered} & {"cause", "motion"}
     if search == "none" or said:
         return ()
-    left = max(QUICK - solved.cpu_s, LEAST) if search == "quick" else np.inf
-    return tuple(_causes(solved, process_time() + left))
+    left = max(ANSWER - solved.cpu_s, LEAST) if search == "quick" else np.inf
+    end, found = process_time() + left, list[Check]()
+    try:
+        with given_up_at(end):
+            found.extend(_causes(solved, end - (ANSWER - QUICK)))
+    except OutOfTimeError:
+        found = found or [_nothing("", SEARCH_ON)]
+    return tuple(found)
 
 
 def _causes(solved: Solved, end: float) -> Iterator[Check]:
@@ -207,16 +221,18 @@ def _unexplained(
     """What may have happened, or explains most, where no trial is accepted."""
     falls = before - best.misfit if best else -np.inf
     # Then no event is left to explain, though the residuals may not be white.
-    shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
-    over = process_time() - end
-    # An event is sought by some ten fits: where one of them takes long, by none.
-    looked = over < LEAST
-    happened = event(problem) if looked and not shrunk else None
-    more = f"; {SEARCH_ON}" if over > 0 else ""
+    shrunk = best is not None and is_as_noise(best.estimate) and not is_as_noise(shown)
+    ended, happened = process_time() > end, None
+    try:
+        happened = None if shrunk else event(problem)
+    except OutOfTimeError:
+        ended = True
+    more = SEARCH_ON if ended else ""
     likeliest = best.cause if best is not None and falls > EXPLAINS else ""
     if happened is not None and (happened.sure or not likeliest):
         # What leaves most of it is no help beside what happened.
-        helps = best is not None and _size(best.estimate) < MOST * _size(shown)
+        left = chi_square_left(best.estimate if best else None)
+        helps = left < MOST * chi_square_left(shown)
         yield _found(happened.words(likeliest if helps else ""), happened.remedy)
     elif likeliest:
         yield _found(
@@ -227,12 +243,18 @@ def _unexplained(
             falls,
         )
     else:
-        fits = "no part of the recording fits, and " if looked else ""
-        yield _found(
-            f"{fits}no cause that was tried explains it (perhaps something moves in "
-            "the robot: a loose mass, sloshing, flexible joints)",
-            f"see whether anything in it is loose or acts on it{more}",
+        yield _nothing(
+            "" if ended or shrunk else "no part of the recording fits, and ", more
         )
+
+
+def _nothing(fits: str, more: str) -> Check:
+    """Nothing that was tried is a cause."""
+    return _found(
+        f"{fits}no cause that was tried explains it (perhaps something moves in the "
+        "robot: a loose mass, sloshing, flexible joints)",
+        f"see whether anything in it is loose or acts on it{more}",
+    )
 
 
 def _explained(best: Trial, before: float) -> Check:
@@ -277,13 +299,14 @@ def _tried(
     That goes on until the CPU's time is at its end.
     """
     trials, untried = list[Trial](), list[Scored]()
-    for some in _stages(solved, conventions, untried, before):
-        for one in some:
-            trials.append(_sure(one, before))
-            if sum(each.lost for each in trials) == LOST or process_time() > end:
-                return [_beside(one, untried, before) for one in trials]
-        if any(one.accepted for one in trials):
-            break
+    with suppress(OutOfTimeError):
+        for some in _stages(solved, conventions, untried, before):
+            for one in some:
+                trials.append(_sure(one, before))
+                if sum(each.lost for each in trials) == LOST or process_time() > end:
+                    return [_beside(one, untried, before) for one in trials]
+            if any(one.accepted for one in trials):
+                break
     return [_beside(one, untried, before) for one in trials]
 
 
@@ -339,17 +362,6 @@ def _written(
     for convention in first[:LIKELIEST]:
         right = convention.written(problem)
         yield amended_trial(convention.cause, problem, recording=right)
-
-
-def _as_noise(estimate: Estimate | None) -> bool:
-    """Whether the residuals are as small as noise."""
-    return _size(estimate) < NOISY**2
-
-
-def _size(estimate: Estimate | None) -> float:
-    """Chi-square per degree of freedom; infinite without a fit."""
-    goodness = estimate and estimate.goodness
-    return goodness.per_dof if goodness else np.inf
 
 
 def _best(trials: list[Trial], before: float) -> Trial | None:

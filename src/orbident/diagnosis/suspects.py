@@ -18,13 +18,12 @@ from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.acting import Acting
 from orbident.estimation.output_error.problem import (
     Problem,
     changes_factor,
     problem_of,
 )
-from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.output_error.sensors import sensors_like, sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import Score, score
 from orbident.preprocessing.delays import delays
@@ -66,7 +65,10 @@ class Scores:
             solution: its best fit.
         """
         self.problem, self.solution = problem, solution
-        self.equations = _equations(problem)
+        robot, recording, samples = problem.robot, problem.recording, problem.samples
+        late = delays(robot, recording, problem.late)
+        self.sensors = sensors_of(robot, recording, late, samples.speeds)
+        self.equations = problem_of(robot, problem.sets, samples, self.sensors)
 
     def of(self, suspects: Sequence[Suspect]) -> list[Score]:
         """For each the numbers that lower the sum of squares most, to first order."""
@@ -106,13 +108,22 @@ class Scores:
             # What overflows has no score.
             with np.errstate(all="ignore"):
                 every = [
-                    _equations(suspect.corrected(self.problem, c), self.equations)
+                    self._equations(suspect.corrected(self.problem, c))
                     for c in np.diag(suspect.small)
                 ]
         except (InputError, np.linalg.LinAlgError):
             return []
         changed = [(each, self._places(each)) for each in every]
         return changed if all(starmap(self._comparable, changed)) else []
+
+    def _equations(self, changed: MomentumProblem) -> Problem:
+        """Those of a change so small that noise, and what acts, stay the same."""
+        robot, recording = changed.robot, changed.recording
+        late = delays(robot, recording, changed.late)
+        sensors = sensors_like(self.sensors, robot, recording, late)
+        return problem_of(
+            robot, changed.sets, changed.samples, sensors, like=self.equations
+        )
 
     def _comparable(self, equations: Problem, places: Places) -> bool:
         """Whether rows, intervals and errors are the same."""
@@ -131,22 +142,6 @@ class Scores:
 
 def _score(R: Float[np.ndarray, "n numbers"], z: Float[np.ndarray, " n"]) -> Score:
     return score(R, z) if np.isfinite(R).all() and R.any() else NOTHING
-
-
-def _equations(problem: MomentumProblem, along: Problem | None = None) -> Problem:
-    """The equations of a problem, with what acts along another motion if one is given.
-
-    Small changes of a sensor hardly change what acts, and working that out takes long.
-    """
-    robot = problem.robot
-    late = delays(robot, problem.recording, problem.late)
-    sensors = sensors_of(robot, problem.recording, late, problem.samples.speeds)
-    equations = problem_of(robot, problem.sets, problem.samples, sensors)
-    if along is None:
-        return equations
-    acting = equations.acting
-    followed = Acting(along.acting.followed, acting.first, acting.allowed)
-    return equations._replace(acting=followed)
 
 
 def tried(

@@ -1,6 +1,9 @@
 """A recording with one thing put right: is it accepted then?"""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from time import process_time
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +19,38 @@ from orbident.estimation.output_error.calibration import NOTHING_FREE
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.output_error.sensors import joints_with_torques
+from orbident.estimation.residual_checks import NOISY
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+
+_end = ContextVar("end", default=np.inf)
+
+
+class OutOfTimeError(Exception):
+    """The time for a search is over in the middle of a trial."""
+
+
+@contextmanager
+def given_up_at(end: float) -> Iterator[None]:
+    """Give up a trial that is not done by then.
+
+    Args:
+        end: CPU time of the process, s.
+
+    Raises:
+        OutOfTimeError: it was given up.
+    """
+    token = _end.set(end)
+    try:
+        yield
+    finally:
+        _end.reset(token)
+
+
+def _in_time(_: float) -> None:
+    """Called at every step of a search."""
+    if process_time() > _end.get():
+        raise OutOfTimeError
 
 
 class Rival(NamedTuple):
@@ -77,7 +110,7 @@ def trial(
         return Trial(cause, False, np.inf)
     fit = OutputError(steps=FEW_STEPS, tested=False, free=free)
     try:
-        shown = fit.estimate(problem, lambda _: None)
+        shown = fit.estimate(problem, _in_time)
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
@@ -105,3 +138,14 @@ def amended_trial(
         return trial(cause, problem.amended(robot, recording), likely=likely)
     except InputError:
         return Trial(cause, False, np.inf)
+
+
+def chi_square_left(estimate: Estimate | None) -> float:
+    """Chi-square per degree of freedom; infinite without a fit."""
+    goodness = estimate and estimate.goodness
+    return goodness.per_dof if goodness else np.inf
+
+
+def is_as_noise(estimate: Estimate | None) -> bool:
+    """Whether the residuals are as small as noise."""
+    return chi_square_left(estimate) < NOISY**2

@@ -300,7 +300,8 @@ class Solution(NamedTuple):
     linear: Linear
     """The equations at a state within a hundredth of a deviation of `state`; without
     links where these take much memory."""
-    end: End
+    last: End | None
+    """The last boundary's `z`, where the links are left out."""
     prior: Prior
     weights: BySensor
     converged: bool
@@ -319,6 +320,21 @@ class Solution(NamedTuple):
         factor[n:, n:] = self.prior.added(self.linear.common, self.state)
         root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
         return np.asarray(root @ root.T)
+
+    @property
+    def end(self) -> End:
+        """The last boundary's `z`."""
+        return self.last or self.linear.at_the_end()
+
+    @property
+    def left(self) -> float:
+        """By how much one more step would lower the cost, to first order.
+
+        NaN where a search led nowhere and its equations overflow.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            whole = self.prior.added(self.linear.common, self.state)[:-1, -1]
+            return float(whole @ whole)
 
     @property
     def mass(self) -> tuple[float, float]:

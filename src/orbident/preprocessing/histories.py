@@ -315,7 +315,7 @@ def held_joints(robot: Robot, q: Range, qd: Range, dt: float) -> dict[str, float
         qd: of all joints, rad/s or m/s.
         dt: from one sample of the gyro to the next, s.
     """
-    still = q.high - q.low < LOCKED
+    still = (q.samples > 0) & (q.high - q.low < LOCKED)
     if not still.all():
         still |= _trembling(robot, q, qd, dt)
     return {

@@ -272,12 +272,14 @@ class Acting:
             if k in sizes and each.effect.force.any():
                 total = total.plus(sizes[k], each.effect)
         pushing = [k for k in sizes if every[k].force.any()]
-        own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
         table = self._without_force(tuple(k for k in sizes if k not in pushing), sizes)
         still = [0.0 if k in pushing else size for k, size in sizes.items()]
         table[..., 0] = 0.0
-        table[..., 0] = own[..., 0] + table @ np.array([0, *still])
-        table[..., [1 + [*sizes].index(k) for k in pushing]] = own[..., 1:]
+        table[..., 0] = table @ np.array([0, *still])
+        if pushing or self.recorded or tide:
+            own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
+            table[..., 0] += own[..., 0]
+            table[..., [1 + [*sizes].index(k) for k in pushing]] = own[..., 1:]
         if not total.force.any():
             return table
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)

@@ -23,6 +23,7 @@ from orbident.estimation.output_error.walking_rates import free_running
 from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution
 from orbident.gaussian import OF_MEDIAN
+from orbident.preprocessing.histories import Columns
 from orbident.recordings.long_recording import spare_memory
 from orbident.robot.description import Robot
 from orbident.robot.units import BY_KIND, OF_A_JOINT, TORQUE_OF_A_JOINT, si_unit
@@ -146,6 +147,17 @@ class Fitted(NamedTuple):
     def settled(self) -> bool:
         """Whether another round would have changed no estimate."""
         return self.change < SETTLED
+
+    def predicted(self, problem: Problem, name: str) -> Columns:
+        """What a sensor would show at the rows, by axis; NaN where it showed nothing.
+
+        Nothing at all where there is no such sensor.
+        """
+        if name not in problem.weights:
+            return ()
+        weights, level = problem.weights[name], self.levels[name]
+        std = np.divide(level, weights, where=weights > 0, out=0 * weights)
+        return tuple((problem.samples[name] - self.residuals[name] * std).T)
 
 
 def fitted(

@@ -229,6 +229,7 @@ def problem_of(
     free: Mapping[str, float] = NOTHING_FREE,
     unexplained: float = IDEAL,
     turning: float = CONTINUOUS,
+    like: Problem | None = None,
 ) -> Problem:
     """The equations of a recording.
 
@@ -242,8 +243,12 @@ def problem_of(
         unexplained: what no spring explains moves passive joints by so much in a
             period, rad or m.
         turning: what the attitude walks at least, rad/sqrt(s).
+        like: the equations of a recording that differs little: it is cut into the same
+            intervals, and what acts is worked out along the same motion.
     """
-    intervals = intervals_of(samples, sensors, longest_interval(robot, unexplained))
+    longest = longest_interval(robot, unexplained)
+    followed = like and like.acting.followed
+    intervals = intervals_of(samples, sensors, longest, followed and followed.intervals)
     walks = walks_of_rates(robot, sensors, samples)
     lasting = lasting_noise(robot, sensors, walks)
     loose = looseness(robot, samples, sensors, lasting, turning)
@@ -293,7 +298,9 @@ def problem_of(
         driven=driven_by(robot),
         over_intervals=torques.over_intervals,
     )
-    followed = Followed(without_walks(robot, walks), sets, samples, intervals)
+    followed = followed or Followed(
+        without_walks(robot, walks), sets, samples, intervals
+    )
     acting = Acting(followed, recorded.places, followed.allowed)
     driven = joints_driven(robot, torques.weights)
     shown = {*sensors.by_name, *thrust_seen(samples.wrenches), *driven}

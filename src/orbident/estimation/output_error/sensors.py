@@ -7,6 +7,7 @@ are unknowns, and inside an interval samples are whitened by their filter
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -96,6 +97,51 @@ def sensors_of(
         behind: by sensor, by how much its times are behind, s.
         speeds: noise of those of the wheels.
     """
+    shown = _shown(robot, recording, behind)
+    t = _times_of(shown)
+    sensors = {name: _sensed(robot, name, t, *each) for name, each in shown.items()}
+    if "gyro" in sensors and sensors["gyro"].declared:
+        std = float(np.hypot(sensors["gyro"].std, rate_noise(robot, speeds)))
+        sensors["gyro"] = replace(sensors["gyro"], std=std)
+    return Sensors(t, sensors)
+
+
+def sensors_like(
+    sensors: Sensors, robot: Robot, recording: Recording, behind: Mapping[str, float]
+) -> Sensors:
+    """Those of a recording that differs little: their noise is the same.
+
+    Args:
+        sensors: of the other recording.
+        robot: as `sensors_of` has it.
+        recording: with samples of the same sensors.
+        behind: as `sensors_of` has it.
+    """
+    shown = _shown(robot, recording, behind)
+    t = _times_of(shown)
+    every = {
+        name: replace(sensors.by_name[name], values=_values(t, *each))
+        for name, each in shown.items()
+    }
+    return Sensors(t, every)
+
+
+class _Shown(NamedTuple):
+    at: Float[np.ndarray, " samples"]
+    """s."""
+    samples: Float[np.ndarray, "samples axes"]
+
+
+def _times_of(shown: Mapping[str, _Shown]) -> Float[np.ndarray, " rows"]:
+    """All times at which a sensor has a sample, s."""
+    t = np.unique(np.concatenate([each.at for each in shown.values()]))
+    return through_gaps(t[np.diff(t, prepend=-np.inf) > TOGETHER])
+
+
+def _shown(
+    robot: Robot, recording: Recording, behind: Mapping[str, float]
+) -> dict[str, _Shown]:
+    """The samples of each sensor, and when it saw the world."""
     tables = {
         sensor: recording.vector(sensor)
         for sensor in COMPONENTS
@@ -117,27 +163,20 @@ def sensors_of(
         for name in driven:
             which = robot.joint_names.index(name)
             torques[:, which] = recording.columns[torque_column(name)]
-    times, samples = {}, {}
+    shown = {}
     for name in list(tables):
         table = tables.pop(name)
         seen = np.asarray(np.isfinite(table).all(axis=1))
         if seen.any():
-            late = behind[CLOCKS.get(name, name)]
-            times[name] = some_of(recording.t, seen) - late
-            samples[name] = some_of(table, seen)
-    if increments is not None and "gyro" in samples:
+            at = some_of(recording.t, seen) - behind[CLOCKS.get(name, name)]
+            samples = some_of(table, seen)
+            shown[name] = _Shown(
+                at, same_sign(samples) if name == "attitude" else samples
+            )
+    if increments is not None and "gyro" in shown:
         t = recording.t - behind["accelerometer"]
-        felt = _felt(t, increments, times["gyro"], samples["gyro"])
-        times["accelerometer"], samples["accelerometer"] = felt
-    t = np.unique(np.concatenate(list(times.values())))
-    t = through_gaps(t[np.diff(t, prepend=-np.inf) > TOGETHER])
-    shown = {
-        name: _sensed(robot, name, t, times[name], samples[name]) for name in times
-    }
-    if "gyro" in shown and shown["gyro"].declared:
-        std = float(np.hypot(shown["gyro"].std, rate_noise(robot, speeds)))
-        shown["gyro"] = replace(shown["gyro"], std=std)
-    return Sensors(t, shown)
+        shown["accelerometer"] = _Shown(*_felt(t, increments, *shown["gyro"]))
+    return shown
 
 
 def _felt(
@@ -166,12 +205,6 @@ def _sensed(
     at: Float[np.ndarray, " samples"],
     samples: Float[np.ndarray, "samples axes"],
 ) -> Sensed:
-    if name == "attitude":
-        samples = same_sign(samples)
-    values, rows = samples, np.searchsorted(t, at, side="right") - 1
-    if not np.array_equal(rows, np.arange(t.size)):
-        values = np.full((t.size, samples.shape[1]), np.nan)
-        values[rows] = samples
     sensor = robot.sensors.of(name)
     std = sensor.white_std(float(np.median(np.diff(at))) if at.size > 1 else 1.0)
     declared = std > 0
@@ -180,7 +213,22 @@ def _sensed(
     size = 1.0 if name == "attitude" else float(np.sqrt(np.mean(samples**2)))
     least = max(LEAST * size, between(at, samples), 1e-15)
     std = max(std, least)
+    values = _values(t, at, samples)
     return Sensed(values, std, least, declared, sensor.bias_walk, sensor.coloured)
+
+
+def _values(
+    t: Float[np.ndarray, " rows"],
+    at: Float[np.ndarray, " samples"],
+    samples: Float[np.ndarray, "samples axes"],
+) -> Float[np.ndarray, "rows axes"]:
+    """At all times; NaN at those without a sample."""
+    rows = np.searchsorted(t, at, side="right") - 1
+    if np.array_equal(rows, np.arange(t.size)):
+        return samples
+    values = np.full((t.size, samples.shape[1]), np.nan)
+    values[rows] = samples
+    return values
 
 
 def between(

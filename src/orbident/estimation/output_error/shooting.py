@@ -106,6 +106,8 @@ class JointHistory(NamedTuple):
 class Intervals(NamedTuple):
     """The rows that count, and where intervals begin."""
 
+    samples: Samples
+    """Of which they are."""
     kept: slice
     """Which of the sensors' rows: joints and wheels are known there."""
     t: Float[np.ndarray, " rows"]
@@ -121,13 +123,27 @@ class Intervals(NamedTuple):
 
 
 def intervals_of(
-    samples: Samples, sensors: Sensors, longest: float = np.inf
+    samples: Samples,
+    sensors: Sensors,
+    longest: float = np.inf,
+    like: Intervals | None = None,
 ) -> Intervals:
-    """Cut a recording into intervals that cubics follow, none longer than `longest`."""
-    history = _history(samples)
+    """Cut a recording into intervals that cubics follow.
+
+    Args:
+        samples: histories of joints and wheels.
+        sensors: with the times that count.
+        longest: no interval is longer, s.
+        like: those of a recording that differs little: it is cut as they are.
+    """
+    same = like and samples is like.samples
+    history = like.history if like and same else _history(samples)
     ends = history.t[0], np.nextafter(history.t[-1], np.inf)
     first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
     t = sensors.t[first:end]
+    kept = slice(first, end)
+    if like and np.array_equal(t, like.t):
+        return Intervals(samples, kept, t, like.edges, history)
     rows = _rows_of_an_interval(history, samples.shares, t)
     if samples.unknown_thrust:
         rows = min(rows, _rows_of_a_turn(samples))
@@ -139,7 +155,7 @@ def intervals_of(
         for start, stop, n in zip(edges[:-1], edges[1:], parts, strict=True)
     ]
     edges = np.concatenate([*finer, edges[-1:]]).astype(int)
-    return Intervals(slice(first, end), t, edges, history)
+    return Intervals(samples, kept, t, edges, history)
 
 
 def _history(samples: Samples) -> JointHistory:

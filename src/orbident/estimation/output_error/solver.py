@@ -180,11 +180,11 @@ def solution_at(
     convergence: Convergence = (),
 ) -> Solution:
     """Where a search ended, with the equations there."""
-    kept = here
+    last = None
     if here.links.nbytes > KEPT:
-        kept = here._replace(links=here.links[:0].copy())
-    end = here.at_the_end()
-    return Solution(state, kept, end, prior, weights, converged, cost, convergence)
+        last = here.at_the_end()
+        here = here._replace(links=here.links[:0].copy())
+    return Solution(state, here, last, prior, weights, converged, cost, convergence)
 
 
 def equations_at(

@@ -23,7 +23,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
-from orbident.environment.agents import NOISE
+from orbident.environment.agents import ALIKE, FREE, NOISE, UNTESTED
 from orbident.estimation.levels import limit
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.solution import OUTSIDE, Solution
@@ -110,6 +110,25 @@ class TakenForZero:
     def beta(self) -> slice:
         """Where `beta` is among the solution's unknowns."""
         return slice(OUTSIDE, OUTSIDE + self.solution.state.beta.size)
+
+
+def taken_for_zero(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
+    """What a solution takes for zero.
+
+    Args:
+        problem: a recording's equations.
+        solution: of these.
+        tested: whether it is asked what may act, too; but what is like something that
+            is free shows as that.
+    """
+    shown = {each.family for each in problem.expected}
+    free = {each.family for each in problem.expected if each.std == FREE}
+    # To work out what may act takes some 3 kB a row.
+    every = problem.acting.unknowns if tested else ()
+    families = dict.fromkeys(each.family for each in every)
+    apart = {*shown, *UNTESTED}
+    absent = [x for x in families if x not in apart and not free & {*ALIKE[x]}]
+    return TakenForZero(problem, solution, tuple(absent))
 
 
 SMALL_ERROR = {

@@ -1,0 +1,42 @@
+"""A search for causes ends in time, in the middle of a trial too, and says so."""
+
+from time import process_time
+from typing import NoReturn
+
+import pytest
+from cause_problems import fitted, problem_with
+
+from orbident.diagnosis import causes as module
+from orbident.diagnosis.causes import SEARCH_ON, causes
+from orbident.diagnosis.trial import OutOfTimeError, given_up_at, trial
+from orbident.estimation.estimate import Solved
+from orbident.estimation.momentum_problem import MomentumProblem
+
+
+@pytest.fixture(scope="module")
+def problem() -> MomentumProblem:
+    """With a gyro that shows too much about one axis."""
+    return problem_with({"gyro.x": lambda x: 1.05 * x})
+
+
+def test_a_trial_is_given_up(problem: MomentumProblem):
+    with given_up_at(process_time()), pytest.raises(OutOfTimeError):
+        trial("", problem)
+    assert trial("", problem).estimate is not None
+
+
+@pytest.mark.parametrize("stage", ["jumps", "smoothed"])
+def test_an_answer_says_that_the_search_ended(
+    problem: MomentumProblem, stage: str, monkeypatch: pytest.MonkeyPatch
+):
+    """Before all trials, and among them."""
+
+    def too_long(*_: object) -> NoReturn:
+        raise OutOfTimeError
+
+    monkeypatch.setattr(module, stage, too_long)
+    monkeypatch.setattr(module, "event", too_long)
+    shown = fitted(problem)
+    (found,) = causes(Solved(problem, [], shown, shown))
+    assert found.remedy.endswith(SEARCH_ON)
+    assert found.reason.startswith("no cause that was tried")
