@@ -66,7 +66,7 @@ LOST = 6
 are wrong, putting one of them right does not bring a fit."""
 
 
-QUICK = 7.0
+QUICK = 7.5
 """s of CPU, with those of the fit before it, after which a quick search begins no
 further trial of a cause."""
 

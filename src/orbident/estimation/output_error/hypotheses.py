@@ -44,14 +44,16 @@ ROUNDS = 6
 """Times that a family is freed, at most."""
 
 TRIED = 3
-"""Families, likeliest to first order, of which the one that explains most is freed; as
-many instruments are tried beside them."""
+"""Families, likeliest to first order, that are freed; and instruments beside them."""
 
 BAD = 10.0
 """Chi-square of a sample beyond which it is asked whether there is any hope."""
 
 FIRST_ORDER = 0.5
 """Part of what a family explains to first order that a likelier one does, too."""
+
+NOTHING = 1e-4
+"""Part of what a search of too few steps explained that counts as nothing."""
 
 FURTHER = 5.0
 """Times what an instrument would explain to first order: of 105 in 66 recordings none
@@ -301,7 +303,7 @@ def _best(
     solution = sized.freed(trial=[solution.state])
     # Free it follows anything; as large as is most likely it may explain nothing.
     explains = cost - solution.cost > limit("disturbance", 1)
-    possible = explains and _possible(search, solution, family)
+    possible = explains and _possible(search, solution, family, cost)
     return (family, sized, solution) if possible else None
 
 
@@ -334,7 +336,7 @@ def _freed(
         solution = freed.freed(trial=near)
         numbers = len(problem.unknowns([family]))
         chance = solution.cost + limit("disturbance", numbers) >= cost
-        if not chance and _possible(search, solution, family):
+        if not chance and _possible(search, solution, family, cost):
             worth = integrated_out(cost, solution.cost, numbers)
             tried.append(_Freed(worth, family, freed, solution))
         hopeless = solution.converged and _bad(problem, solution.cost)
@@ -343,13 +345,11 @@ def _freed(
     return tried
 
 
-def _possible(search: Search, solution: Solution, family: str) -> bool:
+def _possible(search: Search, solution: Solution, family: str, cost: float) -> bool:
     """Whether there is a least cost to compare, of a robot, and of what can act so."""
-    # What is left to be lowered would pass for chance.
-    ended = solution.converged or solution.left < limit("disturbance", 1)
-    if not ended or of_no_robot(*solution.mass, search.nominal.beta[0]):
-        return False
-    return not acts_backwards(search.problem, solution, family)
+    ended = solution.converged or solution.left < NOTHING * (cost - solution.cost)
+    no_robot = not ended or of_no_robot(*solution.mass, search.nominal.beta[0])
+    return not (no_robot or acts_backwards(search.problem, solution, family))
 
 
 def _by_an_instrument(
