@@ -328,7 +328,7 @@ class Solution(NamedTuple):
 
     @property
     def left(self) -> float:
-        """By how much one more step would lower the cost, to first order.
+        """The fall in cost that the equations at this state expect of another step.
 
         NaN where a search led nowhere and its equations overflow.
         """

@@ -315,9 +315,11 @@ def held_joints(robot: Robot, q: Range, qd: Range, dt: float) -> dict[str, float
         qd: of all joints, rad/s or m/s.
         dt: from one sample of the gyro to the next, s.
     """
-    still = (q.samples > 0) & (q.high - q.low < LOCKED)
+    still = q.high - q.low < LOCKED
     if not still.all():
         still |= _trembling(robot, q, qd, dt)
+    # Of a joint without any sample nothing is known.
+    still &= q.samples > 0
     return {
         name: float(q.total[k] / q.samples[k])
         for k, name in enumerate(robot.joint_names)

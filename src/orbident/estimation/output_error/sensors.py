@@ -128,7 +128,7 @@ def sensors_like(
 
 class _Shown(NamedTuple):
     at: Float[np.ndarray, " samples"]
-    """s."""
+    """When the sensor saw the world, s."""
     samples: Float[np.ndarray, "samples axes"]
 
 
@@ -222,7 +222,7 @@ def _values(
     at: Float[np.ndarray, " samples"],
     samples: Float[np.ndarray, "samples axes"],
 ) -> Float[np.ndarray, "rows axes"]:
-    """At all times; NaN at those without a sample."""
+    """One sensor's samples at the times of all sensors; NaN where it has none."""
     rows = np.searchsorted(t, at, side="right") - 1
     if np.array_equal(rows, np.arange(t.size)):
         return samples

@@ -107,7 +107,7 @@ class Intervals(NamedTuple):
     """The rows that count, and where intervals begin."""
 
     samples: Samples
-    """Of which they are."""
+    """The histories of joints and wheels that are cut."""
     kept: slice
     """Which of the sensors' rows: joints and wheels are known there."""
     t: Float[np.ndarray, " rows"]
