@@ -267,15 +267,16 @@ class Acting:
             torque = by_step(GravityGradient().moment(motion, theta))
             total = total._replace(torque=total.torque + torque)
         acting = self.followed.disturbances if sizes.keys() - every.keys() else ()
+        pushing = [k for k in sizes if k in every]
         for k, each in enumerate(acting, SHARED + len(self.recorded)):
             every[k] = each.effect
             if k in sizes and each.effect.force.any():
+                pushing.append(k)
                 total = total.plus(sizes[k], each.effect)
-        pushing = [k for k in sizes if every[k].force.any()]
-        table = self._without_force(tuple(k for k in sizes if k not in pushing), sizes)
-        still = [0.0 if k in pushing else size for k, size in sizes.items()]
+        still = {k: every[k] for k in sizes if k not in pushing}
+        table = self._without_force(still, sizes)
         table[..., 0] = 0.0
-        table[..., 0] = table @ np.array([0, *still])
+        table[..., 0] = table @ np.array([0, *(sizes[k] * (k in still) for k in sizes)])
         if pushing or self.recorded or tide:
             own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
             table[..., 0] += own[..., 0]
@@ -294,7 +295,7 @@ class Acting:
         every = dict(enumerate(by))
         for k, effect in enumerate(thrust.at(errors)):
             every[SHARED + k] = effect
-            total = total.plus(1 + gains[k] * effect.force.any(), effect)
+            total = total.plus(1 + gains[k], effect)
         return every, total
 
     def given(
@@ -333,26 +334,21 @@ class Acting:
         self.followed.still.clear()
 
     def _without_force(
-        self, which: tuple[int, ...], places: Collection[int]
+        self, effects: Mapping[int, Effect], places: Collection[int]
     ) -> Float[np.ndarray, "nodes rows columns"]:
         """What torques and pulls of size one do: the same at all parameters.
 
         Before them is a column for what all do together, and in their places are
-        columns for forces, so that nobody copies them.
+        columns for what else acts, so that nobody copies them.
         """
         still, nothing = self.followed.still, self.followed.motion.nothing
-        if (which, *places) not in still:
+        key = (*effects, None, *places)
+        if key not in still:
             still.clear()
-            own = [self._still_effect(k) if k in which else nothing for k in places]
+            own = [effects.get(k, nothing) for k in places]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
-            still[which, *places] = self._moved([nothing, *own], nowhere, 1.0)
-        return still[which, *places]
-
-    def _still_effect(self, k: int) -> Effect:
-        first = SHARED + len(self.recorded)
-        if k >= first:
-            return self.followed.disturbances[k - first].effect
-        return [*self.followed.thrust.at(ThrustErrors())][k - SHARED]
+            still[key] = self._moved([nothing, *own], nowhere, 1.0)
+        return still[key]
 
     def _moved(
         self, effects: Sequence[Effect], r: Float[np.ndarray, "steps 3 3"], M: float

@@ -9,7 +9,11 @@ from random_robots import random_robot
 
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
+from orbident.estimation.momentum_problem import momentum_problem
+from orbident.estimation.output_error.problem import problem_of
+from orbident.estimation.output_error.sensors import sensors_of
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
 from orbident.robot.sensor_schema import declared_sensors
@@ -217,3 +221,19 @@ def test_columns_that_contradict(robot, flight, change, words):
             replace(robot, thrusters=full),
             replace(seen, columns={**columns, **change(on)}),
         )
+
+
+def test_the_clock_of_a_thruster_that_gives_nothing_changes_nothing(robot, flight):
+    """It has a column all the same, beside that of the gain."""
+    alone = replace(robot, thrusters=robot.thrusters[1:])
+    recording = recorded(alone, flight, 0)
+    problem = momentum_problem(alone, recording, "unknown", lambda _: None)
+    samples, late = problem.samples, delays(alone, recording, problem.late)
+    sensors = sensors_of(alone, recording, late, samples.speeds)
+    acting = problem_of(alone, problem.sets, samples, sensors).acting
+    clock, (gain,) = acting.first, acting.recorded
+    selected = np.array([clock, gain.place])
+    beta = problem.sets.beta(alone.theta)
+    table = acting.table(beta, np.array([0.0, -1.0]), selected)
+    assert not table[..., 1].any()
+    assert table[..., 2].any()
