@@ -36,7 +36,8 @@ LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
 """With less a step is as without; with more it is too short to change anything."""
 FALLS = 0.5
-"""Boundaries are corrected again while the cost falls to less than this part of it."""
+"""Boundaries are corrected again while the cost falls to less than this part of it. A
+step of which that is so does not count as one: its search leads somewhere."""
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
@@ -75,7 +76,7 @@ def solved(
         prior: what is known beforehand.
         state: where the search starts.
         progress: is called at every step.
-        steps: the most steps to take.
+        steps: the most steps to take, without those that lower the cost by much.
         here: the equations at that state, where they are at hand.
         enough: a search that only leads to another one ends, too, with a step that
             lowers the cost by a smaller part; its first step is damped.
@@ -88,8 +89,9 @@ def solved(
     check_finite(cost, _size(here))
     damping, raised = DAMPING if enough else 0.0, RAISED
     taken, tried, vain = [Step(cost, np.nan)], False, 0
-    for _ in range(steps):
+    while steps > 0:
         progress()
+        steps -= 1
         here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
         # Ratios to the mass change along a line, so that their numerators do not.
@@ -117,6 +119,7 @@ def solved(
         there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
         if new_cost < cost + SAME:
             lowered = (cost - new_cost) / cost
+            steps += lowered > 1 - FALLS
             as_good = problem.gains and size < CORNER and cost - new_cost < SAME
             vain = vain + 1 if as_good else 0
             expected = change @ (2 * whole - change)
@@ -133,10 +136,9 @@ def solved(
             damping, raised = max(raised * damping, DAMPING), 2 * raised
         taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
+    end = solution_at(state, here, prior, weights, False, cost, tuple(taken))
     # Where curvature makes every step too long or too short, the end comes slowly.
-    whole = prior.added(here.common, state)[:-1, -1]
-    near = vain == AGAIN or float(whole @ whole) < SAME
-    return solution_at(state, here, prior, weights, near, cost, tuple(taken))
+    return end._replace(converged=vain == AGAIN or end.left < SAME)
 
 
 def _corrected(
