@@ -28,8 +28,7 @@ from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import AccelerometerSpec, GyroSpec
 
 SHORT, LONG = 4, 128
-"""Rows of an interval."""
-
+"""Samples of the joints in an interval, and at least so many rows."""
 
 OF_A_RADIAN = 0.75
 """An interval lasts so much of a radian of the joints' motion: cubics follow that."""
@@ -144,7 +143,8 @@ def intervals_of(
     kept = slice(first, end)
     if like and np.array_equal(t, like.t):
         return Intervals(samples, kept, t, like.edges, history)
-    rows = _rows_of_an_interval(history, samples.shares, t)
+    a_sample = t.size / _samples_of_joints(sensors, kept)
+    rows = _rows_of_an_interval(history, samples.shares, t, a_sample)
     if samples.unknown_thrust:
         rows = min(rows, _rows_of_a_turn(samples))
     edges = _edges(t.size, rows)
@@ -195,14 +195,26 @@ def _edges(samples: int, rows: int) -> Int[np.ndarray, " edges"]:
     return np.cumsum([0, *short, *even, *reversed(short)])
 
 
+def _samples_of_joints(sensors: Sensors, kept: slice) -> int:
+    """How often encoders showed something; every row where none is a sensor."""
+    encoders = sensors.by_name.get("joints")
+    values = np.zeros((0, 1)) if encoders is None else encoders.values[kept]
+    shown = int(np.isfinite(values).any(axis=1).sum())
+    return shown or sensors.t[kept].size
+
+
 def _rows_of_an_interval(
-    history: JointHistory, shares: tuple[float, ...], t: Float[np.ndarray, " rows"]
+    history: JointHistory,
+    shares: tuple[float, ...],
+    t: Float[np.ndarray, " rows"],
+    a_sample: float,
 ) -> int:
     """A power of two: intervals at both ends are halved again and again.
 
     The variance of a smoothed sample over that of the noise is the number of unknowns
     that a sample determines. An interval has two unknowns of a joint, twice as many as
-    that: what moves is rougher at times.
+    that: what moves is rougher at times. From one sample of the joints to the next
+    there are `a_sample` rows.
     """
     splines = [
         CubicHermiteSpline(history.t, x, slope)
@@ -216,10 +228,12 @@ def _rows_of_an_interval(
     if not moving.any():
         return LONG
     radian = float(np.min(rate[moving] / np.maximum(bend[moving], 1e-12)))
-    rows = OF_A_RADIAN * radian / float(np.median(np.diff(t)))
-    smoothed = np.array(shares)[moving]
-    rows = min(rows, 1 / np.nanmax(smoothed, initial=1 / LONG))
-    return int(2 ** np.round(np.log2(np.clip(rows, SHORT, LONG))))
+    smoothed = np.nanmax(np.array(shares)[moving], initial=1 / LONG)
+    rows = min(
+        OF_A_RADIAN * radian / float(np.median(np.diff(t))),
+        a_sample * max(1 / smoothed, SHORT),
+    )
+    return int(2 ** np.round(np.log2(max(rows, SHORT))))
 
 
 def _rows_of_a_turn(samples: Samples) -> int:
