@@ -65,12 +65,11 @@ LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
-
-QUICK = 7.5
+QUICK = 7.0
 """s of CPU, with those of the fit before it, after which a quick search begins no
 further trial of a cause."""
 
-ANSWER = 10.0
+ANSWER = 9.5
 """s of CPU, too, after which it gives up what it is at: an event takes ten fits."""
 
 LEAST = 6.0

@@ -46,7 +46,7 @@ ROUNDS = 6
 TRIED = 3
 """Families, likeliest to first order, that are freed; and instruments beside them."""
 
-BAD = 10.0
+BAD = 4.0
 """Chi-square of a sample beyond which it is asked whether there is any hope."""
 
 FIRST_ORDER = 0.5
@@ -325,12 +325,11 @@ def _freed(
 ) -> list[_Freed]:
     """Free the likeliest families, one at a time; those that explain something.
 
-    Beside a fit that is not bad first order says which can be as likely. One that is
-    bad, and stays so with what explains most of it, is explained by nothing.
+    First order says which can be as likely as the first of these.
     """
-    problem, bad, tried = search.problem, _bad(search.problem, cost), list[_Freed]()
-    for k, family in enumerate(_likely(beyond)):
-        if tried and not bad and beyond[family] < FIRST_ORDER * beyond[tried[0].family]:
+    problem, tried = search.problem, list[_Freed]()
+    for family in _likely(beyond):
+        if tried and beyond[family] < FIRST_ORDER * beyond[tried[0].family]:
             break
         freed = search.allowing({family: np.inf})
         solution = freed.freed(trial=near)
@@ -339,9 +338,6 @@ def _freed(
         if not chance and _possible(search, solution, family, cost):
             worth = integrated_out(cost, solution.cost, numbers)
             tried.append(_Freed(worth, family, freed, solution))
-        hopeless = solution.converged and _bad(problem, solution.cost)
-        if k == 0 and hopeless and family not in problem.gains:
-            break
     return tried
 
 
