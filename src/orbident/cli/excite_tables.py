@@ -44,7 +44,6 @@ INTERRUPTED = (
 AGREEMENT = 0.02
 """Relative difference of the search's score and the final one that is worth a word."""
 
-
 KNOWN_AT_REST = (
     "the base turns because its wheels spin up from rest: identify the recording with\n"
     "--initial-momentum at-rest"

@@ -18,7 +18,6 @@ from orbident.robot.urdf import roll_pitch_yaw
 ROUNDING = 1e-12
 """m and rad: what is below is rounding, and shown as zero."""
 
-
 SMALL = 1e-6
 """Products of inertia below this part of the largest moment are not shown."""
 

@@ -34,7 +34,6 @@ LARGER = 1.2
 GRAVITY = 9.80665
 """m/s^2: of 1 g."""
 
-
 FIELDS = {"joint": ("q", "qd"), "wheel": ("qd_rw",)}
 """Fields of `Samples` that hold joints and wheels."""
 UNITS_OF_ANGLE: Mapping[str, Sequence[tuple[str, float]]] = {

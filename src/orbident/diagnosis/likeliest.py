@@ -22,7 +22,6 @@ from orbident.estimation.output_error.sensors import joints_with_torques
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
-
 FIRST_ORDER = 0.5
 """Part of the score of what is accepted above which another one may explain as much:
 scores are of first order."""

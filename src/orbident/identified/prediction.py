@@ -67,7 +67,6 @@ from orbident.simulation.free_floating import RateLaw, float_attitude, rate_law
 TOLERANCE = 1e-8
 """The error of the predicted attitude, rad: below what any sensor sees."""
 
-
 PART = 512
 """Samples whose regressors are in memory at once."""
 

@@ -52,7 +52,6 @@ MISSED = 0.1
 """Share of the squared signal: even where a recording tells too little to judge by, a
 larger squared error is no noise."""
 
-
 UNSCORED = "it was not measured, or thrust acts and no pose was measured"
 """Why a signal has no error."""
 

@@ -150,7 +150,6 @@ UNKNOWN = GearedRotor(2.0, 0.0, 0.0)
 """Stands for a rotor whose gear nobody has declared. Base parameters hold its momentum,
 whatever the gear is, and a joint's own entry of `H+` needs `N (N - 1) J` alone."""
 
-
 LEAST = 1e-9
 """kg m^2: of a rotor that is as good as none, but keeps its deviation."""
 

@@ -33,7 +33,6 @@ Columns = tuple[Float[np.ndarray, " samples"], ...]
 LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
 
-
 IN_WAVES = 0.57
 """Waves of noise, times the reach of a smoother over the recording's duration `T`, that
 hold all that it leaves: of wave `m` it leaves `1 / (1 + (m pi reach / T)^8)`, which is

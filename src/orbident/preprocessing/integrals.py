@@ -198,7 +198,6 @@ ROUNDS = 3
 UNKNOWN_ATTITUDE = np.pi
 """Std of `phi` beforehand, rad."""
 
-
 PIECES = 40
 """So many parts of a recording last about a second each, in which a base turns by more
 than the noise of an attitude sensor."""

@@ -181,7 +181,6 @@ def _gyro_of(samples: Samples) -> str:
 ENDS = 0.5
 """s: so near to the ends of a recording a smoothed rate is ten times as wrong."""
 
-
 PACKED = 4096
 """Samples that are packed at once: all of them at once take their memory four times."""
 

@@ -56,7 +56,6 @@ from orbident.robot.units import OF_A_JOINT, POSITION_OF, at_least_zero, measure
 DECLARED = {name: kind for name, kind in CALIBRATION_KINDS.items() if kind.entry}
 """The kinds of errors that have a tolerance among those of a robot file."""
 
-
 USUAL_OF_SLIDES = 1e-4
 """m: where a sliding joint's encoder shows zero."""
 

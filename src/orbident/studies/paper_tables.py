@@ -63,7 +63,6 @@ HOLD_KD = 0.3
 VALIDATION_AMPLITUDES = (0.86, 1.0)
 VALIDATION_DURATION = 18.0
 
-
 PRINTED = 0.005
 """Half of the last of the two decimals that Table 4 prints."""
 

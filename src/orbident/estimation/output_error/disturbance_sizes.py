@@ -26,14 +26,17 @@ from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import inertia_of_walks
 from orbident.estimation.output_error.walking_rates import (
     RANGE,
-    ROUNDS,
     STEP,
     Density,
+    densities_of_rates,
     near,
-    with_rate_densities,
+    walking_so,
 )
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit, Unknown
+
+ROUNDS = 6
+"""Times that densities are estimated, from equations at better and better states."""
 
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
@@ -296,18 +299,19 @@ def with_densities(
     Returns:
         The equations, and each density that was estimated, by group;
     """
-    if problem.walking:
-        return with_rate_densities(problem, fit)
-    robot = problem.acting.followed.robot
+    first, robot = problem, problem.acting.followed.robot
     walk = dict(zip(WALKS, robot.momentum_walk, strict=True))
-    unknown = [
-        group for group in robot.said_to_act if group in WALKS and not walk[group]
-    ]
-    found = {}
-    for _ in range(ROUNDS if unknown else 0):
-        before, found = found, densities_of_waves(problem, fit(problem), unknown)
-        values = {group: each.value for group, each in found.items()}
-        problem = problem._replace(acting=problem.acting.walking(values))
-        if before and all(near(found[group], before[group]) for group in unknown):
+    waves = [group for group in robot.said_to_act if group in WALKS and not walk[group]]
+    found = dict[str, Density]()
+    for _ in range(ROUNDS if problem.walking or waves else 0):
+        before, solution = found, fit(problem)
+        if problem.walking:
+            found = densities_of_rates(problem, solution, first)
+            problem = walking_so(problem, found)
+        else:
+            found = densities_of_waves(problem, solution, waves)
+            values = {group: each.value for group, each in found.items()}
+            problem = problem._replace(acting=problem.acting.walking(values))
+        if before and all(near(found[group], before[group]) for group in found):
             break
     return problem, found

@@ -69,7 +69,6 @@ SENSORS = (
 NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
 
-
 NEGLIGIBLE = 0.1
 """Deviations of all samples together. Of a size that shows less, what acts moves no
 parameter by more of its deviation, which would be half a percent larger: it would be an

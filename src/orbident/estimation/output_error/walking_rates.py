@@ -6,7 +6,7 @@ many unknowns as samples, so its waves would be too many. Its density is what ma
 innovations of the pose most likely, beside the level of their white noise.
 """
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -40,9 +40,6 @@ LOOK = 0.5
 """How far from the guesses of density and level the search looks first, as logarithms:
 by half as much again."""
 
-ROUNDS = 6
-"""Times that densities are estimated, from equations at better and better states."""
-
 SETTLED = 0.1
 """Change of a density's logarithm that changes no deviation by more than a tenth."""
 
@@ -62,34 +59,28 @@ def near(one: Density, other: Density) -> bool:
     return bool(abs(np.log(one.value / other.value)) < SETTLED)
 
 
-def with_rate_densities(
-    problem: Problem, fit: Callable[[Problem], Solution]
-) -> tuple[Problem, dict[str, Density]]:
-    """Take rates to walk as strongly as is most likely.
+def densities_of_rates(
+    problem: Problem, solution: Solution, first: Problem
+) -> dict[str, Density]:
+    """The most likely density of every rate that walks, by its group.
 
     Args:
         problem: a recording's equations.
-        fit: finds a solution of such equations.
-
-    Returns:
-        The equations, and each density by its group.
+        solution: of these.
+        first: with the first guess, which would have moved the robot without thrust: no
+            walk is stronger.
     """
-    found = dict[str, Density]()
-    # The first guess would have moved the robot without thrust: no walk is stronger.
-    most = {x: problem.lasting[WALKS.index(x), :, RATE_WALK].max() for x in WALKS}
-    for _ in range(ROUNDS):
-        before, solution = found, fit(problem)
-        found = {
-            x: _most_likely(problem, solution, x, most[x]) for x in problem.walking
-        }
-        lasting = problem.lasting.copy()
-        for group, each in found.items():
-            own = lasting[WALKS.index(group), :, RATE_WALK]
-            own[own > 0] = each.value
-        problem = problem._replace(lasting=lasting)
-        if before and all(near(found[group], before[group]) for group in found):
-            break
-    return problem, found
+    most = {x: first.lasting[WALKS.index(x), :, RATE_WALK].max() for x in WALKS}
+    return {x: _most_likely(problem, solution, x, most[x]) for x in problem.walking}
+
+
+def walking_so(problem: Problem, found: Mapping[str, Density]) -> Problem:
+    """The equations with rates that walk with these densities."""
+    lasting = problem.lasting.copy()
+    for group, each in found.items():
+        own = lasting[WALKS.index(group), :, RATE_WALK]
+        own[own > 0] = each.value
+    return problem._replace(lasting=lasting)
 
 
 def _most_likely(

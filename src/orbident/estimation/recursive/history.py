@@ -50,7 +50,6 @@ COLOUR = 2.0
 """Smoothed joint rates keep an encoder's error for half a second: sums of innovations
 vary by up to so much more than white ones."""
 
-
 FEW = 3
 """Changes that are named one by one: a recording hardly has more."""
 
