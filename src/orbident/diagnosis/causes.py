@@ -72,7 +72,7 @@ further trial of a cause."""
 ANSWER = 9.5
 """s of CPU, too, after which it gives up what it is at: an event takes ten fits."""
 
-LEAST = 6.0
+LEAST = 4.5
 """s of CPU that a quick search has in any case, the last `ANSWER - QUICK` for that."""
 
 
