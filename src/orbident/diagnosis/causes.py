@@ -274,7 +274,9 @@ def _explained(best: Trial, before: float) -> Check:
         f"{best.cause}: with that corrected the recording is accepted "
         f"(chi-square falls by {falls:.2g})"
     )
-    remedy = "correct it"
+    # The numbers of a suspect are no unknowns of the trial: no deviation holds theirs.
+    guessed = best.score is not None and not best.tolerable
+    remedy = "measure how large it is, and correct it" if guessed else "correct it"
     if best.tolerable:
         remedy = "correct it, or declare its tolerance in the robot file"
     if best.seen or falls > best.rival.falls + WORTH:
@@ -282,7 +284,7 @@ def _explained(best: Trial, before: float) -> Check:
     other = best.rival.cause
     return _found(
         f"perhaps {words}; or perhaps {other}, which may look like it",
-        f"measure which of them it is, and then {remedy}",
+        f"find out which of them it is, and then {remedy}",
         falls,
     )
 

@@ -31,7 +31,7 @@ def test_either_of_two(falls):
     words = words_of(Rival(falls, "a panel swings"))
     assert words.startswith("perhaps the gyro is late")
     assert "or perhaps a panel swings" in words
-    assert "measure which of them it is" in words
+    assert "find out which of them it is" in words
 
 
 def test_what_samples_show_by_themselves_is_a_fact():
