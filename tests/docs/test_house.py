@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 299,
-    "lines": 64_606,
+    "lines": 64_608,
     "files of estimation": 50,
     "lines of estimation": 12_462,
     "files with one user": 63,
