@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 299,
-    "lines": 64_608,
+    "lines": 64_620,
     "files of estimation": 50,
-    "lines of estimation": 12_462,
+    "lines of estimation": 12_479,
     "files with one user": 63,
     "imports below each other": 30,
     "numbers without a reason": 38,

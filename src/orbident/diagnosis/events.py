@@ -140,21 +140,16 @@ def _until(problem: MomentumProblem) -> tuple[int, int, Trial | None]:
     pass for a disturbance.
     """
     rows = problem.recording.t.size
-    good, bad, found = 0, rows, None
+    good, bad, found, acting = 0, rows, None, set[str]()
     for _ in range(HALVINGS):
         middle = (good + bad) // 2
         tried = _part(problem, slice(middle), problem.initial_momentum)
-        if tried.fits and (found is None or _acting(tried) <= _acting(found)):
-            good, found = middle, tried
+        acts = tried.estimate.acting if tried.estimate else set[str]()
+        if tried.fits and (found is None or acts <= acting):
+            good, found, acting = middle, tried, acts
         else:
             bad = middle
     return good, bad, found
-
-
-def _acting(tried: Trial) -> set[str]:
-    """The groups of what acts from outside."""
-    assert tried.estimate is not None
-    return {fit.group for fit in tried.estimate.disturbances.values()}
 
 
 def _part(

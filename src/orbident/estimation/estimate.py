@@ -187,6 +187,11 @@ class Estimate(BesideParameters):
     expected: "Callable[[], Estimate] | None" = None
     """The fit in which nothing acts more than it may, where that is another one."""
 
+    @property
+    def acting(self) -> set[str]:
+        """The groups of what was found to act from outside."""
+        return {fit.group for fit in self.disturbances.values()}
+
 
 @runtime_checkable
 class Estimator(Protocol):

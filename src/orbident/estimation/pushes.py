@@ -55,6 +55,9 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
     sized = FEWEST <= t.size <= LONGEST and by_sensors
     # Eqs. 24 and 31 tell when only where all joints are measured.
     sized = sized and not problem.robot.passive
+    # What a robot does after it changed is no push that one robot got.
+    history = solved.estimate.history
+    sized = sized and not (history and history.changes)
     if solved.hindered or not sized or _fits(solved):
         return solved
     # As it was recorded: nothing is subtracted that was taken for something else.

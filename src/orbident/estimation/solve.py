@@ -106,7 +106,7 @@ def _next_change(
         suspected: by a filter, in their order.
     """
     doubt = EARLIER * float(np.median(np.diff(t)))
-    low, high = begin, float(t[-1])
+    low, high, known = begin, float(t[-1]), None
     alarms = [each for each in suspected if each.t > begin]
     while alarms or (low > begin and high - low > doubt / 2):
         middle = (low + high) / 2
@@ -114,11 +114,11 @@ def _next_change(
         end = alarms[0].t - doubt if alarms else np.inf
         if not low < tried.t < high:
             continue
-        before = between(begin, tried.t - doubt)
+        before = _alike(between(begin, tried.t - doubt), known)
         if before:
-            low = tried.t
+            low, known = tried.t, before
             # A later alarm may be none: the whole rest tells most where it fits.
-            after = between(low, np.inf) or between(low, end)
+            after = between(low, np.inf) or _alike(between(low, end), before)
             apart = differing(before, after) if after else NOT_APART
             if apart.is_no_chance(ANOTHER_ROBOT):
                 over = apart.value / limit(ANOTHER_ROBOT, apart.dof)
@@ -126,6 +126,15 @@ def _next_change(
         elif low > begin:
             high = tried.t
     return None
+
+
+def _alike(part: Estimate | None, known: Estimate | None) -> Estimate | None:
+    """A part that fits as another one does; None where more seems to act in it.
+
+    A change that is not long ago may pass for something that acts.
+    """
+    more = part and known and part.acting - known.acting
+    return None if more else part
 
 
 def _between(problem: MomentumProblem, begin: float, end: float) -> Estimate | None:
