@@ -1,7 +1,4 @@
-"""Which sensor's clock, were it late or early, would explain what the sensors show.
-
-Which sensor's clock, if it ran fast or slow, would explain what the sensors show.
-"""
+"""Which clock, were it late or early, fast or slow, would explain what sensors show."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -14,6 +11,7 @@ from orbident.diagnosis.linear_test import ROWS, linear_misfit
 from orbident.diagnosis.suspects import Numbers, Suspect
 from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
+from orbident.estimation.clock_search import far_clock
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.recordings.recording import Recording
@@ -22,7 +20,7 @@ UNKNOWN = 0.1
 """Std of a clock beforehand, s."""
 
 TRIED = (-1.0, -0.5, -0.2, -0.1, 0.1, 0.2, 0.5, 1.0)
-"""s: where a clock that is far off is looked for."""
+"""s: where one that is far off is looked for; that of joints is found by Eq. 24."""
 
 HELPS = 0.7
 """Part of the linear residuals that a clock that is far off must leave at most."""
@@ -110,10 +108,11 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
 
 def far_off(problem: MomentumProblem) -> dict[str, float]:
     """Clocks that are so far off that their effect is no longer in proportion."""
-    part = problem.beginning(ROWS)
+    part, joints = problem.beginning(ROWS), far_clock(problem).late
     best, at = HELPS * linear_misfit(part), dict.fromkeys(SHARED, 0.0)
-    for names in (("joints",), ("attitude",), ("position",), tuple(SHARED)):
-        for late in TRIED:
+    others = (("attitude",), ("position",), tuple(SHARED))
+    for names in (("joints",), *others):
+        for late in TRIED if names in others else (joints,):
             tried = dict.fromkeys(SHARED, 0.0) | dict.fromkeys(names, late)
             try:
                 misfit = linear_misfit(_behind(part, tried))
@@ -147,8 +146,9 @@ def _in_words(late: Mapping[str, tuple[float, float]]) -> str:
 
 
 def _one(name: str, seconds: float) -> str:
-    way = "late" if seconds > 0 else "early"
-    return f"the clock of the {name} is {1e3 * abs(seconds):.3g} ms {way}"
+    way, size = "late" if seconds > 0 else "early", abs(seconds)
+    by = f"{size:.3g} s" if size >= 1 else f"{1e3 * size:.3g} ms"
+    return f"the clock of the {name} is {by} {way}"
 
 
 SMALL = 1e-5

@@ -124,7 +124,7 @@ def _clock_of(
     if punctual is None or (shown.converged and not likeliest):
         return punctual, first
     near = shown.converged and abs(punctual.late) < LONGEST
-    start = punctual if near else _far(first.problem)
+    start = punctual if near else far_clock(first.problem)
     if abs(start.late) > LONGEST:
         return start, first
     plain = replace(fit, tested=False)
@@ -192,8 +192,8 @@ def _settled(
     return None
 
 
-def _far(problem: MomentumProblem) -> Delay:
-    """Where Eq. 24 fits far better; no delay where it does nowhere."""
+def far_clock(problem: MomentumProblem) -> Delay:
+    """How late joints and wheels are where Eq. 24 fits far better; else no delay."""
     part, nowhere = problem.beginning(ROWS), Delay(0.0, np.inf, believed=False)
 
     def left(late: float) -> float:

@@ -30,6 +30,22 @@ def test_a_position_that_is_a_row_early():
     assert found.cause == "the clock of the position is 100 ms early"
 
 
+def test_joints_whose_clock_was_never_set():
+    """They are seconds early: what they show is what was there later."""
+    recording, rows = clean().recording, 25
+    columns = {
+        name: column[rows:] if name.startswith(("joint", "wheel")) else column[:-rows]
+        for name, column in recording.columns.items()
+    }
+    early = Recording(recording.t[:-rows], columns)
+    problem = momentum_problem(clean().robot, early, "unknown", lambda _: None)
+    found = far_off(problem)
+    seconds = float(recording.t[rows] - recording.t[0])
+    assert found["joints"] == pytest.approx(-seconds, abs=0.05)
+    assert not found["attitude"]
+    assert not found["position"]
+
+
 def test_a_clock_that_is_off_by_the_whole_recording():
     """Nothing can be fitted to what is left, and the search goes on without it."""
     robot = small_robot()

@@ -207,7 +207,7 @@ def test_clocks_that_are_seconds_apart_are_seen(seed: int, late: float):
     }
     recording = replace(true, t=true.t[behind], columns=columns)
     problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
-    found = module._far(problem)
+    found = module.far_clock(problem)
     assert found.apart
     # It is named to two digits.
     assert found.late == pytest.approx(late, abs=0.05)
