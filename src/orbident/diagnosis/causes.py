@@ -274,11 +274,12 @@ def _explained(best: Trial, before: float) -> Check:
         f"{best.cause}: with that corrected the recording is accepted "
         f"(chi-square falls by {falls:.2g})"
     )
-    # The numbers of a suspect are no unknowns of the trial: no deviation holds theirs.
-    guessed = best.score is not None and not best.tolerable
-    remedy = "measure how large it is, and correct it" if guessed else "correct it"
+    remedy = "correct it"
     if best.tolerable:
         remedy = "correct it, or declare its tolerance in the robot file"
+    elif best.score is not None:
+        # Its size was held fixed: standard deviations do not include its own error.
+        remedy = "measure how large it is, and correct it"
     if best.seen or falls > best.rival.falls + WORTH:
         return _found(words, remedy, falls)
     other = best.rival.cause

@@ -129,9 +129,9 @@ def _next_change(
 
 
 def _alike(part: Estimate | None, known: Estimate | None) -> Estimate | None:
-    """A part that fits as another one does; None where more seems to act in it.
+    """The fit of a part, or None where more acts in it than in a part known before.
 
-    A change that is not long ago may pass for something that acts.
+    A change of the robot shortly before a part ends may look like a torque or a force.
     """
     more = part and known and part.acting - known.acting
     return None if more else part

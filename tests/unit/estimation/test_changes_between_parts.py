@@ -1,4 +1,4 @@
-"""When a robot changed is told by the parts of a recording that one robot fits."""
+"""The time at which a robot changed, found by fitting parts of its recording."""
 
 from dataclasses import dataclass, field
 from typing import Any

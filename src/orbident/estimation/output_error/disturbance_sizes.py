@@ -297,7 +297,7 @@ def with_densities(
         fit: finds a solution of such equations.
 
     Returns:
-        The equations, and each density that was estimated, by group;
+        The equations, and each density that was estimated, by group.
     """
     first, robot = problem, problem.acting.followed.robot
     walk = dict(zip(WALKS, robot.momentum_walk, strict=True))

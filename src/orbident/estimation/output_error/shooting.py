@@ -199,8 +199,7 @@ def _samples_of_joints(sensors: Sensors, kept: slice) -> int:
     """How often encoders showed something; every row where none is a sensor."""
     encoders = sensors.by_name.get("joints")
     values = np.zeros((0, 1)) if encoders is None else encoders.values[kept]
-    shown = int(np.isfinite(values).any(axis=1).sum())
-    return shown or sensors.t[kept].size
+    return int(np.isfinite(values).any(axis=1).sum()) or sensors.t[kept].size
 
 
 def _rows_of_an_interval(
