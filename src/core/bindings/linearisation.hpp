@@ -20,23 +20,23 @@ class OwnedJointMomenta {
  public:
   OwnedJointMomenta(const Tree& tree, int directions)
       : bodies_(tree),
-        plain_(tree),
-        units_(static_cast<std::size_t>(tree.bodies())),
-        numbers_(static_cast<std::size_t>(PER_BODY * tree.bodies() + 4 * tree.joints)),
+        rates_(static_cast<std::size_t>(tree.joints)),
+        followed_(2 * static_cast<std::size_t>(tree.joints)),
+        more_(static_cast<std::size_t>(tree.bodies())),
         table_(static_cast<std::size_t>((3 + 2 * tree.joints) * (1 + directions))) {
-    const int K = tree.joints;
-    Directions* const joints = numbers_.data() + PER_BODY * tree.bodies();
-    at = {bodies_.at, plain_.at,      units_.data(),  numbers_.data(),           joints,
-          joints + K, joints + 2 * K, joints + 3 * K, table_.data() + 3 + 2 * K, table_.data()};
+    at = {bodies_.at,       rates_.data(),
+          followed_.data(), followed_.data() + tree.joints,
+          more_.data(),     table_.data() + 3 + 2 * tree.joints,
+          table_.data()};
   }
   OwnedJointMomenta(const OwnedJointMomenta&) = delete;
   JointMomentaMemory at;
 
  private:
-  BodiesMemory<Directions> bodies_;
-  BodiesMemory<double> plain_;
-  std::vector<Momentum<double>> units_;
-  std::vector<Directions> numbers_;
+  BodiesMemory<double> bodies_;
+  std::vector<Motion<double>> rates_;
+  std::vector<Vector3<double>> followed_;
+  std::vector<Momentum<double>> more_;
   std::vector<double> table_;
 };
 
@@ -101,7 +101,7 @@ class OwnedSweep {
     own.inertia = take(rates * rates);
     own.U = take(rates * rates);
     own.H = take(rates * states);
-    own.L = take(states * rates);
+    own.L = take(P * rates);
     own.C = take(states * unknowns);
     own.K = take(states * unknowns);
     own.last = take(states * unknowns);

@@ -183,9 +183,9 @@ auto joint_momenta_of(const OwnedTree& owned, const Array& theta_of_, const Arra
   for (std::int64_t n = 0; n < states; ++n) {
     const Eigen::VectorXd theta =
         of * Eigen::Map<const Eigen::VectorXd>(beta.data() + n * numbers, numbers);
-    differentiate_joint_momenta(tree, theta_of.view(), theta.data(), q.data() + n * K,
-                                qd.data() + n * K, Vector3<double>(w.data() + 3 * n), places,
-                                nullptr, nullptr, memory.at);
+    pose_and_weigh(tree, theta.data(), q.data() + n * K, memory.at.bodies);
+    joint_momenta(tree, qd.data() + n * K, Vector3<double>(w.data() + 3 * n), memory.at);
+    differentiate_joint_momenta(tree, theta_of.view(), places, nullptr, nullptr, memory.at);
     for (std::int64_t k = 0; k < rows; ++k, row += 1 + places.count()) {
       row[0] = memory.at.values[k];
       std::copy_n(memory.at.slopes + k * places.count(), places.count(), row + 1);

@@ -24,6 +24,35 @@ ORBIDENT_WIDEST inline void add_combined(const Matrix3<double>& by, const double
   }
 }
 
+// to += a x, of so many numbers.
+ORBIDENT_WIDEST inline void add_scaled(double a, const double* x, int count, double* to) {
+  const double* __restrict const from = x;
+  double* __restrict const sum = to;
+  ORBIDENT_LANES
+  for (int c = 0; c < count; ++c) sum[c] += a * from[c];
+}
+
+// to += by x table, where `by` is of so many rows and inner columns; the table and the result are
+// of n columns. Four of its rows at once: the result is read and written a quarter as often.
+ORBIDENT_WIDEST inline void add_product(const double* by, int rows, int inner, const double* table,
+                                        int n, double* to) {
+  for (int r = 0; r < rows; ++r) {
+    double* __restrict const sum = to + r * n;
+    const double* a = by + r * inner;
+    const double* p = table;
+    int left = inner;
+    for (; left >= 4; left -= 4, a += 4, p += 4 * n) {
+      const double *const q = p + n, *const u = p + 2 * n, *const v = p + 3 * n;
+      ORBIDENT_LANES
+      for (int c = 0; c < n; ++c) sum[c] += a[0] * p[c] + a[1] * q[c] + a[2] * u[c] + a[3] * v[c];
+    }
+    for (; left > 0; --left, ++a, p += n) {
+      ORBIDENT_LANES
+      for (int c = 0; c < n; ++c) sum[c] += a[0] * p[c];
+    }
+  }
+}
+
 // A table of three rows of n columns, as a sum.
 class CombinedRows {
  public:

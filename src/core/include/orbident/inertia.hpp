@@ -68,6 +68,7 @@ template <class T>
 struct Momentum {
   Vector3<T> p;
   Vector3<T> h;
+  static Momentum zero() { return {Vector3<T>::Zero(), Vector3<T>::Zero()}; }
 };
 
 template <class T>

@@ -27,11 +27,12 @@ inline void add_joint_torques(const Recorded& recorded, const LinearisedAt& at,
                               double on_e, PassiveMemory& own) {
   const int K = recorded.tree.joints, n = recorded.columns.count(), all = own.places.count();
   const CalibrationPlaces& places = at.calibration.places;
-  place(recorded.tree, joints.q, own.at.plain.pose, own.at.plain.field);
+  pose_and_weigh(recorded.tree, at.theta, joints.q, own.at.bodies);
+  joint_momenta(recorded.tree, joints.qd, base.w, own.at);
   for (int g = 0; g < own.places.geometries; ++g)
-    own.geometry[g] = displacement(recorded.tree, at.calibration, own.at.plain.pose, own.place[g]);
-  differentiate_joint_momenta(recorded.tree, recorded.theta_of, at.theta, joints.q, joints.qd,
-                              base.w, own.places, own.geometry, own.displaced, own.at);
+    own.geometry[g] = displacement(recorded.tree, at.calibration, own.at.bodies.pose, own.place[g]);
+  differentiate_joint_momenta(recorded.tree, recorded.theta_of, own.places, own.geometry,
+                              own.displaced, own.at);
   const TableRows dw(base.dw, 3, n);
   for (int k = 0; k < K; ++k) {
     const Drive drive(recorded, at.calibration, k);

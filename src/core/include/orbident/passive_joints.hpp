@@ -22,13 +22,14 @@ inline void start_passive(const Recorded& recorded, const LinearisedAt& at, int 
   }
   // D w = R_0^T h_cm - h_rw - D_q qd.
   invert_inertia(recorded, at.theta, joints.q, joints.qd, own, own.m);
-  const Bodies<double>& bodies = own.at.plain;
+  const Bodies<double>& bodies = own.at.bodies;
   const SystemInertia<double> system = system_inertia(bodies.carried[0]);
   Vector3<double> h_q = Vector3<double>::Zero();
   for (int k = 0; k < recorded.tree.joints; ++k)
     h_q += joints.qd[k] * (bodies.momentum[k].h - system.r_cm.cross(bodies.momentum[k].p));
   set_law(recorded.planar, system.D, h_q + joints.h_rw, base);
   base.w = base.E * base.h_B - base.b;
+  joint_momenta(recorded.tree, joints.qd, base.w, own.at);
   set_passive(recorded, at, own, joints, base);
 
   OwnTable s(base.phi, N, n);
@@ -118,22 +119,27 @@ inline void step_passive(const Recorded& recorded, const LinearisedAt& at, doubl
   set(middle, own.joints[0]);
 
   // RK4 of the linear equation s' = A s + G.
-  const OwnTable s_0(start.phi, N, n), G_0(start.G, N, n), G_1(middle.G, N, n), G_2(end.G, N, n);
-  OwnTable s_1(middle.phi, N, n), s_2(end.phi, N, n), K_i(own.K, N, n), last(own.last, N, n);
-  const OwnTable A_0(from.A, N, N), A_1(mid.A, N, N), A_2(to.A, N, N);
-  K_i = A_0.lazyProduct(s_0) + G_0;
-  s_1 = h / 8 * K_i;
-  s_2 = s_0 + h / 6 * K_i;
+  const int size = N * n;
+  double *K = own.K, *last = own.last, *s_1 = middle.phi, *s_2 = end.phi;
+  const auto set_rate = [&](const BaseNode& base, const double* s) {
+    std::copy_n(base.G, size, K);
+    add_product(base.passive->A, N, N, s, n, K);
+  };
+  set_rate(start, start.phi);
+  std::fill_n(s_1, size, 0.0);
+  add_scaled(h / 8, K, size, s_1);
+  std::copy_n(start.phi, size, s_2);
+  add_scaled(h / 6, K, size, s_2);
   for (int i = 1; i < 4; ++i) {
-    last = s_0 + (i < 3 ? h / 2 : h) * K_i;
-    if (i < 3)
-      K_i = A_1.lazyProduct(last) + G_1;
-    else
-      K_i = A_2.lazyProduct(last) + G_2;
-    s_2 += (i < 3 ? h / 3 : h / 6) * K_i;
+    std::copy_n(start.phi, size, last);
+    add_scaled(i < 3 ? h / 2 : h, K, size, last);
+    set_rate(i < 3 ? middle : end, last);
+    add_scaled(i < 3 ? h / 3 : h / 6, K, size, s_2);
   }
-  K_i = A_2.lazyProduct(s_2) + G_2;
-  s_1 += (s_0 + s_2) / 2 - h / 8 * K_i;
+  set_rate(end, s_2);
+  add_scaled(0.5, start.phi, size, s_1);
+  add_scaled(0.5, s_2, size, s_1);
+  add_scaled(-h / 8, K, size, s_1);
   finish_passive(recorded, middle);
   finish_passive(recorded, end);
 }

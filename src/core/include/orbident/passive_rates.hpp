@@ -17,7 +17,8 @@
 //   dy = U (H s + C),   H s = ([h_B]x phi - dm/dq_p q, p - dm/dq_p q)
 //   s' = A s + G,       A = L U H + (-[w]x phi, 0, de/dq_p q),   G = L U C + (0, 0, C_e)
 //
-// where L takes dy to (dw, dqd_p, de/dy dy), and C, C_e are all other unknowns' changes.
+// where L takes dy to (dw, dqd_p, de/dy dy), and C, C_e are all other unknowns' changes. In the
+// tables, L is its last rows.
 #pragma once
 
 #include "orbident/interval_tables.hpp"
@@ -94,10 +95,8 @@ inline void invert_inertia(const Recorded& recorded, const double* theta, const 
                            const double* qd, PassiveMemory& own, double* m) {
   const Tree& tree = recorded.tree;
   const int Y = rates_of_passive(recorded), K = tree.joints;
-  Bodies<double>& at = own.at.plain;
-  place(tree, q, at.pose, at.field);
-  weigh(tree, theta, at.pose, at.mass);
-  carry(tree, at.mass, at.carried);
+  Bodies<double>& at = own.at.bodies;
+  pose_and_weigh(tree, theta, q, at);
   for (int k = 0; k < K; ++k) at.momentum[k] = momentum_of(at.carried[k + 1], at.field[k]);
   const SystemInertia<double> all = system_inertia(at.carried[0]);
   OwnTable D_qq(own.D_qq, K, K), inertia(own.inertia, Y, Y), U(own.U, Y, Y);
@@ -163,10 +162,8 @@ inline void passive_rates(const Recorded& recorded, const LinearisedAt& at,
   w = {y(0), y(1), y(2)};
   for (int i = 0; i < P; ++i) qd[i] = y(3 + i);
   for (int i = 0; i < P; ++i) joints.qd[recorded.spring[i].joint] = qd[i];
-  Bodies<double>& plain = own.at.plain;
-  Vector3<double> all;
-  double *momenta = own.at.values + 3, *e = momenta + K;
-  joint_momenta(recorded.tree, at.theta, joints.qd, w, plain, all, momenta, e);
+  joint_momenta(recorded.tree, joints.qd, w, own.at);
+  const double* e = own.at.values + 3 + K;
   for (int i = 0; i < P; ++i) {
     const Spring& spring = recorded.spring[i];
     const Held held(spring, at.calibration);
@@ -175,7 +172,7 @@ inline void passive_rates(const Recorded& recorded, const LinearisedAt& at,
   }
 }
 
-// Everything at a node whose state and rates are known, but s.
+// Everything at a node whose state and rates are known, but s; from what `joint_momenta` left.
 inline void set_passive(const Recorded& recorded, const LinearisedAt& at, PassiveMemory& own,
                         const JointNode& joints, BaseNode& base) {
   const int P = recorded.springs, K = recorded.tree.joints, n = recorded.columns.count();
@@ -183,9 +180,9 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
   PassiveNode& node = *base.passive;
   const int all = own.places.count();
   for (int g = 0; g < own.places.geometries; ++g)
-    own.geometry[g] = displacement(recorded.tree, at.calibration, own.at.plain.pose, own.place[g]);
-  differentiate_joint_momenta(recorded.tree, recorded.theta_of, at.theta, joints.q, joints.qd,
-                              base.w, own.places, own.geometry, own.displaced, own.at);
+    own.geometry[g] = displacement(recorded.tree, at.calibration, own.at.bodies.pose, own.place[g]);
+  differentiate_joint_momenta(recorded.tree, recorded.theta_of, own.places, own.geometry,
+                              own.displaced, own.at);
   // Springs: dp/dt, by q and qd of their own joints, by theta and by both unknowns.
   const CalibrationPlaces& places = at.calibration.places;
   OwnTable C(own.C, Y + P, n);
@@ -226,36 +223,37 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
   subtract_wheels(recorded, at, joints.shown, on_h);
 
   const OwnTable U(own.U, Y, Y);
-  OwnTable H(own.H, Y, N), L(own.L, N, Y), UH(node.UH, Y, N), A(node.A, N, N);
+  OwnTable H(own.H, Y, N), L(own.L, P, Y), UH(node.UH, Y, N), A(node.A, N, N);
   const auto slope = [&](int row, int direction) { return own.at.slopes[row * all + direction]; };
   H.setZero();
-  L.setZero();
-  L.topRows(Y).setIdentity();
   H.topLeftCorner<3, 3>() = cross_matrix(base.h_B);
   for (int i = 0; i < P; ++i) {
     const int k = recorded.spring[i].joint, e = 3 + K + k;
     for (int r = 0; r < 3; ++r) {
       H(r, 3 + i) = -slope(r, own.places.q() + k);
-      L(Y + i, r) = slope(e, r);
+      L(i, r) = slope(e, r);
     }
     for (int j = 0; j < P; ++j) {
       const int other = recorded.spring[j].joint;
       H(3 + j, 3 + i) = -slope(3 + other, own.places.q() + k);
-      L(Y + i, 3 + j) = slope(e, own.places.qd() + other);
+      L(i, 3 + j) = slope(e, own.places.qd() + other);
     }
     H(3 + i, Y + i) = 1.0;
   }
   UH = U.lazyProduct(H);
-  A = L.lazyProduct(UH);
+  A.topRows(Y) = UH;
   A.topLeftCorner<3, 3>() -= cross_matrix(base.w);
+  A.bottomRows(P) = L.lazyProduct(UH);
   for (int i = 0; i < P; ++i)
     for (int j = 0; j < P; ++j)
       A(Y + i, 3 + j) +=
           slope(3 + K + recorded.spring[i].joint, own.places.q() + recorded.spring[j].joint);
-  OwnTable UC(base.dw, Y, n), G(base.G, N, n);
-  UC = U.lazyProduct(C.topRows(Y));
-  G = L.lazyProduct(UC);
-  G.bottomRows(P) += C.bottomRows(P);
+  double *UC = base.dw, *C_e = own.C + Y * n, *G_p = base.G + Y * n;
+  std::fill_n(UC, Y * n, 0.0);
+  add_product(own.U, Y, Y, own.C, n, UC);
+  std::copy_n(UC, Y * n, base.G);
+  std::copy_n(C_e, P * n, G_p);
+  add_product(own.L, P, Y, UC, n, G_p);
 
   // Accelerations: U (dm/dt - what the joints' positions and measured rates change of m).
   Vector3<double> torque = Vector3<double>::Zero();
@@ -277,9 +275,8 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
 
 // Once s is known: the changes of y, in place of those without s.
 inline void finish_passive(const Recorded& recorded, BaseNode& base) {
-  const int Y = rates_of_passive(recorded), N = states_of_passive(recorded),
-            n = recorded.columns.count();
-  OwnTable(base.dw, Y, n) += OwnTable(base.passive->UH, Y, N).lazyProduct(OwnTable(base.phi, N, n));
+  add_product(base.passive->UH, rates_of_passive(recorded), states_of_passive(recorded), base.phi,
+              recorded.columns.count(), base.dw);
 }
 
 // The attitude at a node, with all that follows from it but rates.
