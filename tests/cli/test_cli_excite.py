@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from swinging_satellite import swinging_satellite
 from urdf_pieces import ARM, robot_file
 from valved_satellite import satellite
 
@@ -385,3 +386,18 @@ def test_pulses_of_a_robot_without_joints(orbident, tmp_path):
     flown = "simulate", "satellite.yaml", "pulses.yaml", "--noise", "sensors"
     orbident(*flown, "-o", "flight.csv").done()
     orbident("identify", "satellite.yaml", "flight.csv").done()
+
+
+def test_a_motion_beside_which_panels_swing(orbident, tmp_path):
+    """What is designed is inspected and flown."""
+    swinging_satellite(tmp_path)
+    asked = "--duration", 10, "--starts", 1, "--harmonics", 3
+    ran = orbident("excite", "satellite.yaml", *asked, "-o", "made.yaml")
+    assert "2 joints, beside which others swing" in ran.out
+    assert "by the number of harmonics" in ran.out
+    assert "panel_left swings by up to" in ran.out
+    assert load_trajectory("made.yaml").joints == ("shoulder", "elbow")
+    orbident("simulate", "satellite.yaml", "made.yaml", "-o", "flight.csv").done()
+    orbident("excite", "satellite.yaml", "--compare", "made.yaml").refused(
+        "'orbident inspect ROBOT --trajectory TRAJ' tells what one promises"
+    )

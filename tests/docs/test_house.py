@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 299,
-    "lines": 64_620,
+    "files": 301,
+    "lines": 65_041,
     "files of estimation": 50,
-    "lines of estimation": 12_479,
-    "files with one user": 63,
+    "lines of estimation": 12_471,
+    "files with one user": 64,
     "imports below each other": 30,
     "numbers without a reason": 38,
 }

@@ -85,13 +85,15 @@ def segment_of(
     errors: Errors | None = None,
     passive: Sequence[int] = (),
     drives: np.ndarray | None = None,
+    follows: Sequence[tuple[int, int, float]] = (),
 ) -> Segment:
     """A segment from the simulator, at every node; nothing is interpolated.
 
     With errors of the instruments, these are shown, and all are unknowns. Passive
     joints swing as their springs want, from any state: not as the simulator's did. With
     drives (5 x joints: scale of its torque sensor, armature, viscous and Coulomb
-    friction, offset) torques are shown too.
+    friction, offset) torques are shown too. Joints that follow, each with the one that
+    it follows and a factor, have the corrections of that one.
     """
     by = errors or no_errors(robot)
     believed, robot = robot, by.robot(robot)
@@ -134,13 +136,17 @@ def segment_of(
     r_cm = quaternion_matrix(motion.attitude[0]) @ r_cm
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm, r_cm=r_cm)
     edges = np.round(np.linspace(0, rows, intervals + 1))
-    local = np.zeros((intervals + 1, 9 + 2 * joints))
+    led = [joint for joint, *_ in follows]
+    corrected = [k for k in range(joints) if k not in led]
+    weights["joints"][:, led] = 0.0
+    local = np.zeros((intervals + 1, 9 + 2 * len(corrected)))
     local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
     for history in (q, qd, qdd):
         history[:, list(passive)] = 0.0
     random = np.random.default_rng(seed)
     for k in passive:
-        local[:, [9 + k, 9 + joints + k]] = random.standard_normal((len(local), 2))
+        at = 9 + corrected.index(k)
+        local[:, [at, at + len(corrected)]] = random.standard_normal((len(local), 2))
     over_intervals = np.zeros((intervals, joints, 2))
     if drives is not None:
         scale, armature, viscous, coulomb, offset = drives
@@ -171,7 +177,8 @@ def segment_of(
         theta_of=sets.base.theta_of,
         planar=robot.motion == "planar",
         substeps=substeps,
-        corrected=np.arange(joints, dtype=float),
+        corrected=np.array(corrected, dtype=float),
+        follows=np.reshape(follows, (-1, 3)).astype(float),
         t=t[::2],
         edge=edges.astype(float),
         knots=t,
@@ -183,8 +190,8 @@ def segment_of(
         qd_rw=columns(qd_rw),
         qdd_rw=columns(qdd_rw),
         samples=[np.ascontiguousarray(samples[name]) for name in SENSORS],
-        first=np.ones(9 + 2 * joints),
-        corrections=np.ones(2 * joints),
+        first=np.ones(9 + 2 * len(corrected)),
+        corrections=np.ones(2 * len(corrected)),
         walk=np.ones(9),
         passive=np.array(passive, dtype=float),
         laws=np.reshape(laws, (len(passive), 4 + robot.theta.size)),

@@ -213,11 +213,13 @@ void bind_output_error(nb::module_& m) {
   nb::class_<OwnedRecorded>(m, "Recorded", "A recording cut into shooting intervals.")
       .def(nb::new_(&make_recorded), nb::kw_only(), nb::arg("tree"), nb::arg("theta_0"),
            nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"), nb::arg("corrected"),
-           nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
-           nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
-           nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
-           nb::arg("passive"), nb::arg("laws"), nb::arg("driven"), nb::arg("over_intervals"),
-           "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
+           nb::arg("follows"), nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"),
+           nb::arg("q_slope"), nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"),
+           nb::arg("qdd_rw"), nb::arg("samples"), nb::arg("first"), nb::arg("corrections"),
+           nb::arg("walk"), nb::arg("passive"), nb::arg("laws"), nb::arg("driven"),
+           nb::arg("over_intervals"),
+           "theta = theta_0 + theta_of beta. `follows`: a joint, the one with corrections that it "
+           "follows, and by which factor. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
            "attitude and biases walk in a second. `passive`: joints that nobody measures; "
            "`laws` of each: squared rate, damping rate, walks of its position and rate, and by "

@@ -46,6 +46,7 @@ struct OwnedRecorded {
   std::vector<In<2>> samples;
   In<1> first, corrections, walk;
   int lasting;
+  std::vector<Follower> followers;
   std::vector<Spring> springs;
   In<2> laws;
   std::vector<DrivenJoint> driven;
@@ -62,6 +63,7 @@ struct OwnedRecorded {
     all.planar = planar;
     all.substeps = substeps;
     all.corrected = corrected.data();
+    all.followers = {followers.data(), static_cast<int>(followers.size())};
     all.columns = {static_cast<int>(corrected.size()), all.theta_of.columns, calibrations};
     all.rows = static_cast<int>(t.size(0));
     all.t = t.data();
@@ -98,12 +100,13 @@ inline Sensed* sensors_of(Recorded& all, std::size_t sensor) {
 
 inline OwnedRecorded make_recorded(
     const OwnedTree& tree, const Array& theta_0, const Array& theta_of, bool planar, int substeps,
-    const Array& corrected, const Array& t_, const Array& edge_, const Array& knots_,
-    const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
-    const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
-    const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& corrections, const Array& walk, const Array& passive_, const Array& laws_,
-    const Array& driven_, const Array& over_intervals_) {
+    const Array& corrected, const Array& follows_, const Array& t_, const Array& edge_,
+    const Array& knots_, const std::vector<Array>& q, const std::vector<Array>& q_slope,
+    const std::vector<Array>& qd, const std::vector<Array>& qdd, const Array& A_rw_,
+    const std::vector<Array>& qd_rw, const std::vector<Array>& qdd_rw,
+    const std::vector<Array>& samples, const Array& first, const Array& corrections,
+    const Array& walk, const Array& passive_, const Array& laws_, const Array& driven_,
+    const Array& over_intervals_) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -153,19 +156,33 @@ inline OwnedRecorded make_recorded(
                     {},
                     {},
                     {},
+                    {},
                     input<3>("over_intervals", over_intervals_,
                              {static_cast<std::int64_t>(edge.size()) - 1, K, 2})};
+  const auto correction_of = [&](const char* what, int joint) {
+    const auto at = std::find(all.corrected.begin(), all.corrected.end(), joint);
+    if (at == all.corrected.end())
+      throw nb::value_error((std::string(what) + ": a joint has no corrections").c_str());
+    return static_cast<int>(at - all.corrected.begin());
+  };
+  const auto follows = input<2>("follows", follows_, {ANY, 3});
+  for (std::int64_t f = 0; f < follows.size(0); ++f) {
+    const double* x = follows.data() + 3 * f;
+    for (int k = 0; k < 2; ++k)
+      if (!(x[k] >= 0.0 && x[k] < static_cast<double>(K) && x[k] == std::floor(x[k])))
+        throw nb::value_error("follows: give indices of joints");
+    all.followers.push_back(
+        {static_cast<int>(x[0]), correction_of("follows", static_cast<int>(x[1])), x[2]});
+  }
   const auto passive =
       whole_numbers("passive", input<1>("passive", passive_, {ANY}), static_cast<double>(K));
   all.laws =
       input<2>("laws", laws_, {static_cast<std::int64_t>(passive.size()), 4 + PER_BODY * (K + 1)});
   for (std::size_t e = 0; e < passive.size(); ++e) {
     const double* law = all.laws.data() + static_cast<std::ptrdiff_t>(e) * all.laws.size(1);
-    const auto at = std::find(all.corrected.begin(), all.corrected.end(), passive[e]);
-    if (at == all.corrected.end()) throw nb::value_error("passive: a joint has no corrections");
     if (!(law[2] > 0.0 && law[3] > 0.0)) throw nb::value_error("laws: a walk is not above zero");
     all.springs.push_back({passive[e],
-                           static_cast<int>(at - all.corrected.begin()),
+                           correction_of("passive", passive[e]),
                            law[0],
                            law[1],
                            {law[2], law[3]},

@@ -85,8 +85,6 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
 
     The robot may be at rest before its wheels spin up; the paper's case may be None.
     """
-    from orbident.data_table import table_of
-
     made = found.design
     lines: list[Any] = [
         f"designed a motion of {found.duration:g} s and "
@@ -111,6 +109,20 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
             "what may be off about instruments, within tolerances, makes them "
             f"{_number(scores['price_of_tolerances'])} times as wide"
         )
+    proven = made["proven"]
+    base = _base_words(proven)
+    if scores["drift"]:
+        base += f"\n{drift_words(scores['drift'])}"
+    joints = _joint_table(proven["joints"])
+    proof = ["", "proven for all times, with nominal inertia:", joints, base]
+    known = [KNOWN_AT_REST] if at_rest else []
+    return [*lines, *proof, *known]
+
+
+def _joint_table(joints: Any) -> Any:
+    """Extremes beside their limits."""
+    from orbident.data_table import table_of
+
     rows = (
         (
             name,
@@ -119,21 +131,51 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
             f"{joint['velocity']:.4g}",
             _number(joint["velocity_limit"]),
         )
-        for name, joint in made["proven"]["joints"].items()
+        for name, joint in joints.items()
     )
-    table = table_of("", ("joint", "position", "limit", "rate", "limit"), rows)
-    proven = made["proven"]
+    return table_of("", ("joint", "position", "limit", "rate", "limit"), rows)
+
+
+def _base_words(extremes: Any) -> str:
     base = (
-        f"base: rate {_number(proven['rate'])} rad/s, {_turn(proven['excursion'])}; "
-        f"wheels {_number(proven['wheel_speed'])} rad/s"
+        f"base: rate {_number(extremes['rate'])} rad/s, "
+        f"{_turn(extremes['excursion'])}; "
+        f"wheels {_number(extremes['wheel_speed'])} rad/s"
     )
-    if proven.get("table"):
-        base += f"; {table_words(proven['table'])}"
-    if scores["drift"]:
-        base += f"\n{drift_words(scores['drift'])}"
-    proof = ["", "proven for all times, with nominal inertia:", table, base]
-    known = [KNOWN_AT_REST] if at_rest else []
-    return [*lines, *proof, *known]
+    if extremes.get("table"):
+        base += f"; {table_words(extremes['table'])}"
+    return base
+
+
+def swinging(found: Any, robot: Any) -> list[Any]:
+    """A designed motion beside which joints swing, in words."""
+    made, extremes = found.design, found.design["extremes"]
+    worth = ", ".join(
+        f"{_number(each['value'])} with {each['harmonics']}"
+        for each in made["by_harmonics"]
+    )
+    beyond = made["beyond_limits"]
+    units = {
+        joint.name: "m" if joint.kind == "prismatic" else "rad"
+        for joint in robot.joints
+    }
+    return [
+        f"designed a motion of {found.duration:g} s and "
+        f"{counted(len(found.joints), 'joint')}, beside which others swing",
+        f"geometric mean of the deviations: {_number(made['value'])}, the best of "
+        f"{counted(made['starts'], 'start')}",
+        f"by the number of harmonics: {worth}"
+        + (f" ({beyond} more broke a limit)" if beyond else ""),
+        "",
+        "proven for all times:",
+        _joint_table(made["proven"]["joints"]),
+        "with nominal inertia and springs as declared, nothing else acting:",
+        _base_words(extremes),
+        *(
+            f"{name} swings by up to {_number(most)} {units[name]}"
+            for name, most in extremes["swings"].items()
+        ),
+    ]
 
 
 def pulsed(found: Any) -> list[Any]:

@@ -27,6 +27,7 @@ from orbident.estimation.output_error.sensors import sensors_like, sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import Score, score
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.followers import without_followers
 
 ROUNDS = 4
 """Most rounds of a trial and a better guess, as long as it explains more."""
@@ -67,7 +68,8 @@ class Scores:
         self.problem, self.solution = problem, solution
         robot, recording, samples = problem.robot, problem.recording, problem.samples
         late = delays(robot, recording, problem.late)
-        self.sensors = sensors_of(robot, recording, late, samples.speeds)
+        heard = without_followers(recording, samples.led)
+        self.sensors = sensors_of(robot, heard, late, samples.speeds)
         self.equations = problem_of(robot, problem.sets, samples, self.sensors)
 
     def of(self, suspects: Sequence[Suspect]) -> list[Score]:
@@ -120,7 +122,8 @@ class Scores:
         """Those of a change so small that noise, and what acts, stay the same."""
         robot, recording = changed.robot, changed.recording
         late = delays(robot, recording, changed.late)
-        sensors = sensors_like(self.sensors, robot, recording, late)
+        heard = without_followers(recording, changed.samples.led)
+        sensors = sensors_like(self.sensors, robot, heard, late)
         return problem_of(
             robot, changed.sets, changed.samples, sensors, like=self.equations
         )

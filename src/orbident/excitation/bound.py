@@ -38,6 +38,7 @@ from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
+from orbident.preprocessing.followers import Lead
 from orbident.preprocessing.histories import RateNoise
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
@@ -134,6 +135,18 @@ def bound_of(
     return CramerRao(found, budget)
 
 
+def log_deviation(robot: Robot, trajectory: Trajectory) -> float:
+    """Of the least deviations of the base parameters: the logarithm of their mean.
+
+    The mean is geometric, so that it depends on no units; infinite where not all are
+    determined. Errors are those of `bound_of`.
+    """
+    base = bound_of(robot, trajectory).parameters.base
+    if not base.determined.all():
+        return np.inf
+    return float(np.log(np.diag(base.covariance)).mean() / 2)
+
+
 def _moved(
     robot: Robot, trajectory: Trajectory, rate: float
 ) -> tuple[FreeFloating | FreeFlying, Truth, Wrenches]:
@@ -204,6 +217,7 @@ def _true_samples(
         wrenches=wrenches,
         surroundings={},
         locked=(),
+        led={each.follower: Lead(*each[1:]) for each in robot.couplings},
         shares=shares,
         worst=((0.0, 0.0),) * len(shares),
         origins={"wheel_speeds": Origin.MEASURED if noise else Origin(0)},

@@ -18,7 +18,7 @@ from orbident.excitation.table_points import (
 from orbident.files.bounds import LARGEST, SHORTEST, SMALLEST
 from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
-from orbident.robot.joint_schema import coupled_joints, require_measured
+from orbident.robot.joint_schema import coupled_joints
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 INFINITE = float("inf")
@@ -124,7 +124,7 @@ def limits_of(
             robot without joints.
 
     Raises:
-        InputError: the robot has neither joints nor thrusters, a joint is passive or
+        InputError: the robot has neither joints nor thrusters, a joint with a motor
             has no velocity limit, a limit is not above zero, those of joints that
             follow leave no motion, or the robot is on no table.
     """
@@ -138,19 +138,22 @@ def limits_of(
             "impulse limit: thrusters are fired only where a robot has no joints; "
             "leave the limit out"
         )
-    require_measured(robot, "the design of a motion")
-    for joint in (robot.joints[k] for k in coupled_joints(robot).free):
+    free = (robot.joints[k] for k in coupled_joints(robot).free)
+    for joint in (each for each in free if each.name not in robot.passive):
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
             raise InputError(
                 f"{robot.name}: joint '{joint.name}': velocity limit: found "
                 f"{joint.velocity}; give one in the model or under limits: in the "
                 "robot file"
             )
-    free = (-INFINITE, INFINITE)
+    anywhere = (-INFINITE, INFINITE)
     limits = Limits(
         # With one stop, a turn from it is as far as a motion needs.
         position=np.reshape(
-            [joint.within(np.pi) if joint.position else free for joint in robot.joints],
+            [
+                joint.within(np.pi) if joint.position else anywhere
+                for joint in robot.joints
+            ],
             (len(robot.joints), 2),
         ),
         velocity=np.array([joint.velocity or INFINITE for joint in robot.joints]),

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from orbident.excitation.search import (
     Progress,
     SearchSpace,
 )
+from orbident.excitation.swinging import design_swinging
 from orbident.excitation.thruster_pulses import design_pulses
 from orbident.files.json_parts import nulled
 from orbident.files.names import listed
@@ -98,13 +100,14 @@ def design_excitation(
     The same seed and number of starts give the same trajectory on the same machine; a
     budget of seconds does not. An interrupt ends the search and keeps the best so far.
 
-    A robot without joints is excited by its thrusters, as `design_pulses` says.
+    A robot without joints is excited by its thrusters, as `design_pulses` says, and one
+    with passive joints by the best motion of its stiff twin, as `design_swinging` says.
 
     Args:
         robot: with limits of its joints; its inertia is nominal.
         duration: t_f, s.
         harmonics: N_f; by default the search chooses, up to 32, where anything may act
-            from outside and the objective is of deviations, else 3.
+            from outside, or swings, and the objective is of deviations, else 3.
         objective: `"cond"` for the condition number of `Y-hat`; `"d"`, `"a"` or `"e"`
             for the information of all parameters under the robot file's sensors. By
             default `"d"` where the robot file declares the noise of a sensor of the
@@ -130,10 +133,14 @@ def design_excitation(
     _check(objective, starts, budget, uncertainty)
     began = time.perf_counter()
     given = conditions or conditions_for(robot, duration, harmonics)
-    if not robot.joints:
-        _check_pulses(robot, given, objective, uncertainty, len(beside) + 1)
+    if not robot.joints or robot.passive:
+        _check_bounded(robot, given, objective, uncertainty, len(beside) + 1)
         effort = Effort(starts or STARTS, budget, began=began)
-        return design_pulses(robot, given, effort, seed, progress)
+        if not robot.joints:
+            return design_pulses(robot, given, effort, seed, progress)
+        numbers = harmonics_tried(robot, given, "d")
+        like_this = partial(design_excitation, uncertainty=uncertainty, seed=seed)
+        return design_swinging(robot, given, effort, numbers, like_this, progress)
     objective = objective or usual_objective(robot, given)
     if beside:
         _check_adds_up(objective)
@@ -181,25 +188,30 @@ def design_excitation(
     return replace(best.proven.trajectory, design=made)
 
 
-def _check_pulses(
+def _check_bounded(
     robot: Robot,
     given: Conditions,
     objective: Objective | None,
     uncertainty: float,
     recordings: int,
 ) -> None:
-    """Refuse what only motions of joints are designed for."""
+    """Refuse what motions that are judged by their bound are not designed for."""
     wrong = {
         f"objective {objective}": objective not in (None, "d"),
-        "harmonics": given.harmonics is not None,
-        "uncertainty": bool(uncertainty),
         "several recordings": recordings > 1,
     }
+    how = "with joints that swing, motions are flown one by one"
+    if not robot.joints:
+        wrong |= {
+            "harmonics": given.harmonics is not None,
+            "uncertainty": bool(uncertainty),
+        }
+        how = "without joints, pulses of thrusters are designed"
     named = [name for name, found in wrong.items() if found]
     if named:
         raise InputError(
-            f"{robot.name}: {listed(named)}: without joints, pulses of thrusters are "
-            "designed, for the objective d and one recording; leave this out"
+            f"{robot.name}: {listed(named)}: {how}, for the objective d and one "
+            "recording; leave this out"
         )
 
 
@@ -230,8 +242,8 @@ def design_recordings(
     """
     objective = objective or usual_objective(robot, conditions)
     if recordings > 1:
-        if not robot.joints:
-            _check_pulses(robot, conditions, objective, 0.0, recordings)
+        if not robot.joints or robot.passive:
+            _check_bounded(robot, conditions, objective, 0.0, recordings)
         _check_adds_up(objective)
     share = None if budget is None else budget / recordings
     made: list[Trajectory] = []
@@ -254,12 +266,15 @@ def design_recordings(
 def harmonics_tried(
     robot: Robot, given: Conditions, objective: Objective
 ) -> tuple[int, ...]:
-    """Numbers of harmonics to search: more avoid the band of what acts slowly."""
+    """Numbers of harmonics to search.
+
+    More avoid the band of what acts slowly, and ring what swings.
+    """
     if given.harmonics is not None:
         return (given.harmonics,)
-    if objective == "cond" or not anything_may_act(robot):
+    if objective == "cond" or not (robot.passive or anything_may_act(robot)):
         return HARMONICS[:1]
-    joints = len(coupled_joints(robot).free)
+    joints = len(coupled_joints(robot).free) - len(robot.passive)
     most = max(MOST_COORDINATES / joints / 2, HARMONICS[0])
     return tuple(number for number in HARMONICS if number <= most)
 
@@ -285,9 +300,9 @@ def _space(
 def usual_objective(robot: Robot, given: Conditions) -> Objective:
     """`d` where sensors are declared: errors are then several times smaller.
 
-    A basis is named for its condition number. Pulses of thrusters have no other.
+    A basis is named for its condition number. What is judged by its bound has no other.
     """
-    if not robot.joints:
+    if not robot.joints or robot.passive:
         return "d"
     return "d" if given.basis is None and weights_of(robot.sensors) else "cond"
 
@@ -328,17 +343,8 @@ def _most_certain(found: list[Judged]) -> Judged:
 
 def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:
     """The extremes for all times beside their limits; None where there is none."""
-    limits, joints, base = given.limits, proven.joints, proven.base
-    entries = {}
-    for k, name in enumerate(robot.joint_names):
-        entries[name] = {
-            "position": joints.position[k].tolist(),
-            "position_limit": [nulled(x) for x in limits.position[k]],
-            "velocity": float(joints.velocity[k]),
-            "velocity_limit": nulled(limits.velocity[k]),
-            "acceleration": float(joints.acceleration[k]),
-            "acceleration_limit": nulled(limits.acceleration[k]),
-        }
+    limits, base = given.limits, proven.base
+    entries = proven.joints.beside(limits, robot.joint_names)
     of_base = {}
     for name in ("rate", "excursion", "wheel_speed"):
         limit = limits.base_rate if name == "rate" else getattr(limits, name)

@@ -28,7 +28,8 @@ to the base has, seen from the CM of a robot whose links have the share `s` of t
 and is between two samples within `h^2/8 max|x''|` of the straight line.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -37,7 +38,12 @@ from orbident.environment.motion import heavy_bodies
 from orbident.errors import InputError
 from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
-from orbident.excitation.table_points import TableSize, centre_of, points_on_table
+from orbident.excitation.table_points import (
+    TableSize,
+    points_on_table,
+    size_of_table,
+)
+from orbident.files.json_parts import nulled
 from orbident.model.core_robot import rotors_of, wheels_of
 from orbident.model.rotations import quaternion_matrix
 from orbident.robot.description import Robot
@@ -52,9 +58,6 @@ from orbident.simulation.free_floating import BaseState, FreeFloating, free_floa
 from orbident.trajectories.trajectory import Trajectory
 
 NODES = 4001
-
-ROUND = 1e5
-"""Power for the centre of a round table: its radius is 0.01 % above the least."""
 
 LEAST_INERTIA = 1e-12
 """kg m^2: a massless base cannot bound the inertia, and nothing is proven then."""
@@ -72,6 +75,20 @@ class Extremes(NamedTuple):
     velocity: Float[np.ndarray, " joints"]
     """Largest magnitude."""
     acceleration: Float[np.ndarray, " joints"]
+
+    def beside(self, limits: Limits, names: Sequence[str]) -> dict[str, Any]:
+        """Each joint's beside its limits, which are None where there are none."""
+        return {
+            name: {
+                "position": self.position[k].tolist(),
+                "position_limit": [nulled(x) for x in limits.position[k]],
+                "velocity": float(self.velocity[k]),
+                "velocity_limit": nulled(limits.velocity[k]),
+                "acceleration": float(self.acceleration[k]),
+                "acceleration_limit": nulled(limits.acceleration[k]),
+            }
+            for k, name in enumerate(names)
+        }
 
 
 class _Carried(NamedTuple):
@@ -168,11 +185,8 @@ def _smallest_table(
     share = 1 + np.abs(robot.theta[1:, MASS]).sum() / robot.mass
     bent = share * float(((change + rate**2) * D + 2 * rate * V + A).max())
     beyond = bent * motion.t[1] ** 2 / 8 + 2 * motion.attitude_error * D.max()
-    width, depth = np.ptp(points, axis=(0, 1)) + 2 * beyond
-    largest = float(np.max([width, depth]))
-    off = points - largest * centre_of(points.reshape(-1, 2) / largest, ROUND)
-    radius = np.linalg.norm(off, axis=2).max() + beyond
-    return TableSize(float(width), float(depth), float(radius))
+    width, depth, radius = size_of_table(points)
+    return TableSize(width + 2 * beyond, depth + 2 * beyond, radius + beyond)
 
 
 def _least_inertia(robot: Robot) -> float:
@@ -243,7 +257,7 @@ class Proven(NamedTuple):
 
     def broken(self, limits: Limits) -> str:
         """Which limit the motion may exceed at some time; empty where it keeps all."""
-        return _broken_by_joints(self.joints, limits) or _broken_by_base(
+        return broken_by_joints(self.joints, limits) or broken_by_base(
             self.base, limits
         )
 
@@ -276,12 +290,12 @@ def proven_within(
             source="design",
         )
         joints = extremes_of(trajectory)
-        broken = _broken_by_joints(joints, given.limits)
+        broken = broken_by_joints(joints, given.limits)
         if broken:
             continue
         motion = floated(robot, trajectory)
         base = base_extremes_of(robot, motion, joints)
-        broken = _broken_by_base(base, given.limits)
+        broken = broken_by_base(base, given.limits)
         if not broken:
             return Proven(trajectory, motion, joints, base, share)
     raise InputError(f"limits: {broken}; raise the limit, or give more time")
@@ -313,7 +327,8 @@ def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
     return free_floating(robot, trajectory.motion, t, start, ACCURATE)
 
 
-def _broken_by_joints(joints: Extremes, limits: Limits) -> str:
+def broken_by_joints(joints: Extremes, limits: Limits) -> str:
+    """Which limit a joint may exceed; empty where none is."""
     lower, upper = limits.position.T
     beyond = {
         "position": np.maximum(
@@ -328,7 +343,8 @@ def _broken_by_joints(joints: Extremes, limits: Limits) -> str:
     return ""
 
 
-def _broken_by_base(base: BaseExtremes, limits: Limits) -> str:
+def broken_by_base(base: BaseExtremes, limits: Limits) -> str:
+    """Which limit the base exceeds; empty where it keeps all."""
     for name, found, limit in base.beside(limits):
         if found > limit:
             return f"{name}: up to {found:.6g} is possible, the limit is {limit:g}"

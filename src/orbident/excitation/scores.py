@@ -31,6 +31,7 @@ from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
 from orbident.excitation.table_points import TableSize
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
+from orbident.robot.joint_schema import require_measured
 from orbident.simulation.free_floating import FreeFloating
 from orbident.trajectories.trajectory import Trajectory
 
@@ -223,8 +224,11 @@ def compare_trajectories(
     numbers, is the automatic one by default.
 
     Raises:
-        InputError: a trajectory is not for this robot, or the base turns too fast.
+        InputError: a trajectory is not for this robot, the base turns too fast, or a
+            joint is passive.
     """
+    inspected = "'orbident inspect ROBOT --trajectory TRAJ' tells what one promises"
+    require_measured(robot, "a comparison of motions", inspected)
     sets = minimal_sets(robot)
     pi, phi = sets.pi(robot.theta), sets.phi(robot.theta)
     names = ["M"]

@@ -83,6 +83,19 @@ def use_of_table(
     return (most + least) ** 2, by_points
 
 
+ROUND = 1e5
+"""Power for the centre of a round table: its radius is 0.01 % above the least."""
+
+
+def size_of_table(points: Float[np.ndarray, "*n 2"]) -> TableSize:
+    """The smallest table under points, m."""
+    points = points.reshape(-1, 2)
+    width, depth = np.ptp(points, axis=0).tolist()
+    size = max(width, depth) or 1.0
+    off = points / size - centre_of(points / size, ROUND)
+    return TableSize(width, depth, size * float(np.linalg.norm(off, axis=1).max()))
+
+
 SMOOTHER = 4.0
 """A power so many times smaller gives Newton's method its start."""
 

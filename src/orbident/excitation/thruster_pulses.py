@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.excitation.bound import bound_of
+from orbident.excitation.bound import log_deviation
 from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
 from orbident.excitation.search import Effort, MotionSearch, Progress
 from orbident.excitation.table_points import TableSize
@@ -148,9 +148,7 @@ class PulseSearch(MotionSearch):
         drawn = _sequence(robot, given, self.brakes, self.random)
         if drawn.pulses and drawn.over(given.limits) <= 0:
             motion = _trajectory(robot, given, drawn.pulses)
-            base, value = bound_of(robot, motion).parameters.base, np.inf
-            if base.determined.all():
-                value = float(np.log(np.diag(base.covariance)).mean() / 2)
+            value = log_deviation(robot, motion)
             searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
             searched.starts += 1
         else:

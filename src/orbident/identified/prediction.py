@@ -54,6 +54,7 @@ from orbident.model.minimal_sets import (
 from orbident.model.reconstruction import root_of
 from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.preprocessing.delays import corrections, delays
+from orbident.preprocessing.followers import without_followers
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Settings
@@ -361,6 +362,7 @@ def _predicted(
     sets = minimal_sets(robot)
     samples = samples_of(robot, window, late)
     behind = delays(robot, window, late)
+    window = without_followers(window, samples.led)
     sensors = sensors_of(robot, window, behind, samples.speeds)
     problem = problem_of(robot, sets, samples, sensors)
     chosen = tuple(each for each in problem.instruments if each.name in errors)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from jaxtyping import Bool, Float
 
 from orbident.preprocessing.base_motion import base_motion, point_velocity
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.followers import Lead, as_one_motion, one_motion
 from orbident.preprocessing.histories import (
     Columns,
     Histories,
@@ -76,6 +78,8 @@ class Samples:
     """What is known of `nadir`, `flow`, `sun` and `field`."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
+    led: Mapping[str, Lead]
+    """Joints whose encoders show no motion of their own, and what moves them."""
     shares: tuple[float, ...]
     """Variance of each joint's smoothed position over that of a sample; NaN where the
     rate was measured."""
@@ -237,18 +241,23 @@ def samples_of(
     if held is None:
         q, qd = Range.of(joints.positions), Range.of(joints.rates)
         held = held_joints(robot, q, qd, float(np.median(np.diff(recording.t))))
-    moving = _locked_apart(joints, robot.joint_names, held)
+    # However little a joint does, it moves with those that follow it.
+    led = settings.once("followers", partial(one_motion, robot, recording))
+    moving = {lead.by for name, lead in led.items() if name not in held}
+    held = {name: x for name, x in held.items() if name not in {*led, *moving}}
+    joints = as_one_motion(robot, _holding(joints, robot.joint_names, held), led)
     return Samples(
         t=recording.t,
-        q=moving.q,
-        qd=moving.qd,
+        q=joints.positions,
+        qd=joints.rates,
         w=base.w,
         x_WB=base.x_WB,
         qd_rw=wheels.rates,
         v_S=point.v_S,
         wrenches=recorded_wrenches(robot, recording, around),
         surroundings=around,
-        locked=moving.locked,
+        locked=tuple(held),
+        led=led,
         shares=joints.shares,
         worst=joints.worst,
         origins={
@@ -262,21 +271,15 @@ def samples_of(
     )
 
 
-class _Joints(NamedTuple):
-    q: Columns
-    qd: Columns
-    locked: tuple[str, ...]
-
-
-def _locked_apart(
+def _holding(
     joints: Histories, names: tuple[str, ...], held: Mapping[str, float]
-) -> _Joints:
+) -> Histories:
     q, qd = [], []
     for name, position, rate in zip(names, joints.positions, joints.rates, strict=True):
         still = name in held
         q.append(np.full_like(position, held[name]) if still else position)
         qd.append(np.zeros_like(rate) if still else rate)
-    return _Joints(tuple(q), tuple(qd), tuple(held))
+    return joints._replace(positions=tuple(q), rates=tuple(qd))
 
 
 def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:

@@ -6,10 +6,11 @@ import yaml
 from urdf_texts import ARM, joint, link, robot
 
 from orbident.errors import InputError
-from orbident.excitation.conditions import limits_of
+from orbident.estimation.weigh import weigh
 from orbident.identified.exported_robot import exported_urdf
 from orbident.model.equations_of_motion import check_regular
 from orbident.model.minimal_sets import minimal_sets
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive, Structure
 from orbident.robot.robot_file import load_robot, write_robot
 
@@ -53,9 +54,9 @@ def test_the_exported_urdf_is_the_stiff_one(load_yaml, tmp_path):
 
 
 def test_what_takes_none_names_the_joint_as_the_file_does(load_yaml):
-    words = r"joint 'joint2' is flexible, and the design .* without 'joint2' under"
+    words = r"joint 'joint2' is flexible, and the .* without 'joint2' under"
     with pytest.raises(InputError, match=words):
-        limits_of(load_yaml(ELBOW))
+        weigh(load_yaml(ELBOW), Recording(np.arange(3.0), {}, "burn.csv"))
 
 
 def test_limits_are_of_the_motor(load_yaml):

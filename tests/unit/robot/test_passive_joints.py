@@ -6,7 +6,6 @@ from urdf_texts import ARM
 
 from orbident.errors import InputError
 from orbident.estimation.weigh import weigh
-from orbident.excitation.design import design_excitation
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive
 from orbident.simulation.simulate import simulate
@@ -67,12 +66,8 @@ def test_a_follower_is_not_passive(load_yaml):
 
 def test_what_takes_none_says_so(load_yaml):
     robot = load_yaml(f"passive: {{{RATE}}}}}")
-    for asked in (
-        lambda: design_excitation(robot),
-        lambda: weigh(robot, Recording(np.arange(3.0), {}, "burn.csv")),
-    ):
-        with pytest.raises(InputError, match=r"is passive, and the .* has it fixed"):
-            asked()
+    with pytest.raises(InputError, match=r"is passive, and the .* has it fixed"):
+        weigh(robot, Recording(np.arange(3.0), {}, "burn.csv"))
 
 
 def test_it_is_simulated_and_nothing_shows_it(load_yaml, tmp_path):

@@ -89,16 +89,17 @@ inline void read_joints(const Recorded& recorded, const LinearisedAt& at, int in
     joints.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
     joints.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_of(&JointState::qdd, k);
   }
-  for (int c = 0; c < C; ++c) {
-    const int k = recorded.corrected[c];
+  const auto correct = [&](int k, int c, double factor) {
     for (int f = 0; f < 4 && !recorded.passive(k); ++f) {
       const double correction =
-          at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
+          factor * at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
       joints.q[k] += functions.value[f] * correction;
       joints.qd[k] += functions.rate[f] * correction;
       joints.qdd[k] += functions.acceleration[f] * correction;
     }
-  }
+  };
+  for (int c = 0; c < C; ++c) correct(recorded.corrected[c], c, 1.0);
+  for (const Follower& each : recorded.followers) correct(each.joint, each.correction, each.factor);
   joints.t = t - recorded.t[0];
   const double *qd_rw = shown.qd_rw, *qdd_rw = shown.qdd_rw;
   const double* gain = at.calibration.values + places.wheel();
@@ -114,8 +115,8 @@ inline void read_joints(const Recorded& recorded, const LinearisedAt& at, int in
 // What joints that were read mean for momentum, and its changes.
 inline void expand_joints(const Recorded& recorded, const LinearisedAt& at, IntervalMemory& memory,
                           JointNode& joints) {
-  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns,
-         joints.functions, joints.q, joints.qd, joints.qdd, memory.terms, joints);
+  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.followers,
+         recorded.columns, joints.functions, joints.q, joints.qd, joints.qdd, memory.terms, joints);
   write_calibrations(recorded.tree, recorded.columns, at.calibration, joints.shown, recorded.A_rw,
                      memory.terms, joints.by);
 }

@@ -5,6 +5,7 @@
 #include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
 #include "orbident/joint_momenta.hpp"
+#include "orbident/shooting.hpp"
 #include "orbident/whitening.hpp"
 
 namespace orbident {
@@ -62,6 +63,7 @@ struct Recorded {
   bool planar;
   int substeps;          // of the attitude, from row to row
   const int* corrected;  // joints that have corrections
+  Followers followers;
   int wheels;
   IntervalColumns columns;
   int rows;

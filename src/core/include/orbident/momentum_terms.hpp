@@ -33,6 +33,13 @@ struct MomentumTerms {
   Vector3<double> v_q;   // J_cm qd
 };
 
+inline void add_terms(double factor, const MomentumTerms& d, MomentumTerms& to) {
+  to.D += factor * d.D;
+  to.h_q += factor * d.h_q;
+  to.r_cm += factor * d.r_cm;
+  to.v_q += factor * d.v_q;
+}
+
 // About S, of one body or of several.
 struct MomentsAboutS {
   double m;

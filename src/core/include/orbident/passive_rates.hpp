@@ -38,12 +38,13 @@ inline void write_known(const Recorded& recorded, const LinearisedAt& at,
   const IntervalColumns& c = recorded.columns;
   const double *by_q = by + where.q(), *by_qd = by + where.qd();
   std::fill_n(row, c.count(), 0.0);
-  for (int i = 0; i < c.corrected; ++i) {
-    const int k = recorded.corrected[i];
+  const auto correct = [&](int k, int i, double factor) {
     for (int f = 0; f < 4 && !recorded.passive(k); ++f)
-      row[c.corrections() + f * c.corrected + i] =
-          joints.functions.value[f] * by_q[k] + joints.functions.rate[f] * by_qd[k];
-  }
+      row[c.corrections() + f * c.corrected + i] +=
+          factor * (joints.functions.value[f] * by_q[k] + joints.functions.rate[f] * by_qd[k]);
+  };
+  for (int i = 0; i < c.corrected; ++i) correct(recorded.corrected[i], i, 1.0);
+  for (const Follower& each : recorded.followers) correct(each.joint, each.correction, each.factor);
   std::copy_n(by + where.beta(), c.betas, row + c.beta());
   const CalibrationPlaces& places = at.calibration.places;
   const JointState& shown = joints.shown;

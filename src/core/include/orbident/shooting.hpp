@@ -48,6 +48,19 @@ constexpr int BY_D = 0, BY_H = 6, BY_R = 9, BY_V = 12, BY_ROWS = 15;
 using TableRows = Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
 using ConstTableRows = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
 
+// A joint that moves as another one's corrections move that, times a factor.
+struct Follower {
+  int joint, correction;
+  double factor;
+};
+
+struct Followers {
+  const Follower* first = nullptr;
+  int count = 0;
+  const Follower* begin() const { return first; }
+  const Follower* end() const { return first + count; }
+};
+
 // Joints, wheels and what they mean for momentum, at a row or half-way to the next.
 struct JointNode {
   double t;  // since the first row, s
@@ -71,16 +84,21 @@ inline void write_change(const MomentumTerms& d, double* column, std::ptrdiff_t 
 
 // Terms, rates and changes at the joint state (q, qd, qdd), corrections already in it.
 inline void expand(const Tree& tree, const Sparse& theta_of, const double* theta,
-                   const int* corrected, const IntervalColumns& columns, const Cubics& functions,
-                   const double* q, const double* qd, const double* qdd, TermsMemory& memory,
-                   JointNode& node) {
+                   const int* corrected, const Followers& followers, const IntervalColumns& columns,
+                   const Cubics& functions, const double* q, const double* qd, const double* qdd,
+                   TermsMemory& memory, JointNode& node) {
   const MomentsAboutS all = joint_moments(tree, theta, q, qd, memory);
   differentiate_by_joints(tree, memory);
   node.terms = about_cm(all);
   node.rates = rates_of(tree, qd, qdd, memory);
   const int n = columns.count();
   for (int c = 0; c < columns.corrected; ++c) {
-    const MomentumTerms &by_q = memory.by_q[corrected[c]], &by_qd = memory.by_qd[corrected[c]];
+    MomentumTerms by_q = memory.by_q[corrected[c]], by_qd = memory.by_qd[corrected[c]];
+    for (const Follower& each : followers) {
+      if (each.correction != c) continue;
+      add_terms(each.factor, memory.by_q[each.joint], by_q);
+      add_terms(each.factor, memory.by_qd[each.joint], by_qd);
+    }
     for (int f = 0; f < 4; ++f) {
       const double x = functions.value[f], v = functions.rate[f];
       const MomentumTerms change = {x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,

@@ -57,7 +57,6 @@ from orbident.estimation.output_error.joint_laws import (
     ENOUGH,
     LOOSE,
     elsewhere,
-    moving_alone,
     springs_of,
     what_is_carried_held,
 )
@@ -78,6 +77,7 @@ from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.followers import without_followers
 from orbident.preprocessing.rates import gaps_as_rows
 from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
@@ -119,7 +119,8 @@ class OutputError:
             problem = problem.amended(recording=recording)
         robot = problem.robot
         late = delays(robot, recording, problem.late)
-        sensors = sensors_of(robot, recording, late, problem.samples.speeds)
+        heard = without_followers(recording, problem.samples.led)
+        sensors = sensors_of(robot, heard, late, problem.samples.speeds)
         search = self._search(problem, sensors, step)
         # Without declared noise, what splines leave between samples looks slow too.
         excluded = () if search.declared == {*sensors.by_name} else SLOW
@@ -173,18 +174,6 @@ class OutputError:
             ends = [
                 start_of(parts[0], samples, outside, beta)._replace(common=each.common)
                 for each in starts
-            ]
-            # Where a joint does not move yet, nothing shows how it swings: first this.
-            ends = [
-                solved(
-                    parts[0],
-                    parts[0].weights,
-                    moving_alone(prior, end),
-                    end,
-                    step,
-                    enough=ENOUGH,
-                ).state
-                for end in ends
             ]
             held = what_is_carried_held(prior)
             for part in parts:

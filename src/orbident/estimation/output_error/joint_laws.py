@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.levels import ChiSquare
-from orbident.estimation.solution import OUTSIDE, Prior, Unknowns
+from orbident.estimation.solution import Prior
 from orbident.estimation.unknowns import CalibrationFit, SpringFit
 from orbident.model.kinematics import carried_inertia
 from orbident.preprocessing.wrenches import Wrenches
@@ -87,14 +87,6 @@ def joint_laws(robot: Robot, wrenches: Wrenches, unexplained: float) -> JointLaw
             )
     passive = [float(robot.joint_names.index(name)) for name in names]
     return JointLaws(np.array(passive), laws)
-
-
-def moving_alone(prior: Prior, at: Unknowns) -> Prior:
-    """What is known where parameters and springs are held as they are."""
-    values, std = prior.values.copy(), prior.std.copy()
-    values[OUTSIDE:] = at.common[OUTSIDE:]
-    std[OUTSIDE:] *= HELD
-    return prior._replace(values=values, std=std)
 
 
 def what_is_carried_held(prior: Prior) -> Prior:

@@ -268,7 +268,8 @@ def problem_of(
         if name != "joints":
             valid &= ~pushed
         seen[name] = table
-        axes = _axes(robot, name, samples.locked) / sensed.std
+        still = {*samples.locked, *samples.led, *robot.passive}
+        axes = _axes(robot, name, still) / sensed.std
         # Where all rows count alike, one is held in place of a table.
         weights[name] = (
             np.broadcast_to(axes, (valid.size, axes.size))
@@ -350,11 +351,13 @@ def _none(name: str) -> Float[np.ndarray, "0 axes"]:
 
 
 def _axes(
-    robot: Robot, sensor: str, locked: Collection[str]
+    robot: Robot, sensor: str, still: Collection[str]
 ) -> Float[np.ndarray, " axes"]:
-    """1 for those in which momentum is conserved, and for encoders that moved."""
+    """1 for those in which momentum is conserved, and for encoders that tell of motion.
+
+    Those of joints that are `still` do not.
+    """
     if sensor == "joints":
-        still = {*locked, *robot.passive}
         return np.array([float(name not in still) for name in robot.joint_names])
     if robot.motion != "planar":
         return np.ones(3)

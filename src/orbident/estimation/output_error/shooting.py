@@ -251,6 +251,8 @@ class Looseness(NamedTuple):
 
     corrected: Float[np.ndarray, " corrected"]
     """Indices of the joints that have corrections."""
+    follows: Float[np.ndarray, "followers 3"]
+    """A joint that follows, that with corrections which it follows, and its factor."""
     first: Float[np.ndarray, " local"]
     """Deviations of all unknowns of the boundary at the recording's start."""
     corrections: Float[np.ndarray, " corrections"]
@@ -287,8 +289,14 @@ def looseness(
     # Joints whose rates are measured, or that do not move, have no corrections.
     free = [
         name in robot.passive
-        or ("joints" in sensors.by_name and name not in samples.locked)
+        or ("joints" in sensors.by_name and name not in {*samples.locked, *samples.led})
         for name in robot.joint_names
+    ]
+    at = {name: k for k, name in enumerate(robot.joint_names)}
+    follows = [
+        (at[name], at[lead.by], lead.factor)
+        for name, lead in samples.led.items()
+        if free[at[lead.by]]
     ]
     least = [
         UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names
@@ -301,6 +309,7 @@ def looseness(
     turn_walk[lasting[0, :, RATE_WALK] > 0] = TAKEN_OVER
     return Looseness(
         corrected=np.flatnonzero(free).astype(float),
+        follows=np.reshape(follows, (-1, 3)).astype(float),
         first=np.concatenate([turns, BIAS, noise, corrections]),
         corrections=corrections,
         walk=np.array([*turn_walk, *walks]),

@@ -208,6 +208,27 @@ def test_slopes_with_passive_joints(robot):
     check_slopes(segment._replace(state=state), faster=2.0)
 
 
+@pytest.mark.parametrize("robot", SLOW_IN_SPACE)
+def test_slopes_with_a_joint_that_follows(robot):
+    """It moves with the corrections of the first one, which swings or does not."""
+    robot = ROBOTS[robot]
+    last = len(robot.joints) - 1
+    for passive in ((), *([(1,)] if last > 1 else [])):
+        drives = np.zeros((5, last + 1))
+        segment = segment_of(
+            robot,
+            *(3, 33, 0.005, 2),
+            passive=passive,
+            drives=drives,
+            follows=[(last, 0, -2.5)],
+        )
+        random = np.random.default_rng(4)
+        local = segment.state.local.copy()
+        local[:, 9:] += 0.1 * random.standard_normal(local[:, 9:].shape)
+        state = segment.state._replace(local=local)
+        check_slopes(segment._replace(state=state), faster=2.0)
+
+
 @pytest.mark.parametrize("substeps", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_slopes_with_smaller_steps(substeps):
     check_slopes(segment_of(ROBOTS["spatial"], 3, 33, substeps=substeps))
