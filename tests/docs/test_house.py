@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 301,
-    "lines": 65_041,
+    "lines": 65_104,
     "files of estimation": 50,
-    "lines of estimation": 12_471,
+    "lines of estimation": 12_474,
     "files with one user": 64,
     "imports below each other": 30,
     "numbers without a reason": 38,

@@ -180,7 +180,8 @@ def excite(
     at_rest = was_at_rest(described, given.initial, given.start)
     shown = partial(designed, paper=paper, at_rest=at_rest)
     shown = shown if described.joints else pulsed
-    shown = partial(swinging, robot=described) if described.passive else shown
+    swings = partial(swinging, robot=described, at_rest=at_rest)
+    shown = swings if described.passive else shown
     for number, (found, place) in enumerate(zip(made, places, strict=False), 1):
         output.say(*together(number, recordings))
         output.say(*shown(found), f"written: {place}")

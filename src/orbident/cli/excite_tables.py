@@ -147,7 +147,7 @@ def _base_words(extremes: Any) -> str:
     return base
 
 
-def swinging(found: Any, robot: Any) -> list[Any]:
+def swinging(found: Any, robot: Any, at_rest: bool) -> list[Any]:
     """A designed motion beside which joints swing, in words."""
     made, extremes = found.design, found.design["extremes"]
     worth = ", ".join(
@@ -175,6 +175,7 @@ def swinging(found: Any, robot: Any) -> list[Any]:
             f"{name} swings by up to {_number(most)} {units[name]}"
             for name, most in extremes["swings"].items()
         ),
+        *([KNOWN_AT_REST] if at_rest else []),
     ]
 
 

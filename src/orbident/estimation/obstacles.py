@@ -84,7 +84,10 @@ def _no_scale(problem: MomentumProblem) -> list[Check]:
     # Only where the parameters could be told without the assumption can it be checked.
     freed = np.hypot(pi.explained_freed, pi.unexplained_freed)
     checkable = bool(
-        pi.explained_freed**2 > EXPLAINED * freed**2 and freed > VARIES * fits.h_rw
+        pi.explained_freed**2 > EXPLAINED * freed**2
+        and freed > VARIES * fits.h_rw
+        # What swings is not in the linear equations.
+        and not problem.robot.passive
     )
     if (
         assumed

@@ -135,13 +135,17 @@ def bound_of(
     return CramerRao(found, budget)
 
 
-def log_deviation(robot: Robot, trajectory: Trajectory) -> float:
+def log_deviation(
+    robot: Robot,
+    trajectory: Trajectory,
+    initial_momentum: InitialMomentum = "unknown",
+) -> float:
     """Of the least deviations of the base parameters: the logarithm of their mean.
 
     The mean is geometric, so that it depends on no units; infinite where not all are
     determined. Errors are those of `bound_of`.
     """
-    base = bound_of(robot, trajectory).parameters.base
+    base = bound_of(robot, trajectory, initial_momentum).parameters.base
     if not base.determined.all():
         return np.inf
     return float(np.log(np.diag(base.covariance)).mean() / 2)

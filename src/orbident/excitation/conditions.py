@@ -138,8 +138,7 @@ def limits_of(
             "impulse limit: thrusters are fired only where a robot has no joints; "
             "leave the limit out"
         )
-    free = (robot.joints[k] for k in coupled_joints(robot).free)
-    for joint in (each for each in free if each.name not in robot.passive):
+    for joint in (robot.joints[k] for k in coupled_joints(robot).free):
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
             raise InputError(
                 f"{robot.name}: joint '{joint.name}': velocity limit: found "

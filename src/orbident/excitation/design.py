@@ -274,7 +274,7 @@ def harmonics_tried(
         return (given.harmonics,)
     if objective == "cond" or not (robot.passive or anything_may_act(robot)):
         return HARMONICS[:1]
-    joints = len(coupled_joints(robot).free) - len(robot.passive)
+    joints = max(len(coupled_joints(robot).free), 1)
     most = max(MOST_COORDINATES / joints / 2, HARMONICS[0])
     return tuple(number for number in HARMONICS if number <= most)
 

@@ -17,8 +17,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.excitation.bound import log_deviation
 from orbident.excitation.conditions import BaseExtremes, Conditions
+from orbident.excitation.floating import was_at_rest
 from orbident.excitation.guarantee import (
     SHARES,
     Extremes,
@@ -87,6 +89,12 @@ class SwingSearch(MotionSearch):
     design: Callable[..., Trajectory]
     """As `design_excitation`."""
 
+    @property
+    def momentum(self) -> InitialMomentum:
+        """What is known of it where the motion begins as the conditions say."""
+        still = was_at_rest(self.robot, self.given.initial, self.given.start)
+        return "at-rest" if still else "unknown"
+
     def search(self) -> None:
         """Design and fly a motion of each number of harmonics."""
         effort, twin, parts = self.effort, stiff(self.robot), len(self.harmonics)
@@ -121,7 +129,7 @@ class SwingSearch(MotionSearch):
             flight = fly_along(robot, smaller, robot.sensors.rows_per_second)
             base = _extremes(robot, flight)
             if not (broken_by_joints(joints, limits) or broken_by_base(base, limits)):
-                value = log_deviation(robot, smaller)
+                value = log_deviation(robot, smaller, self.momentum)
                 swings = np.abs(flight.q).max(axis=0)
                 self.searched.random.append(
                     Swinging(smaller, joints, value, base, swings, share)

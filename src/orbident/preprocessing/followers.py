@@ -6,22 +6,30 @@ follow the one that moves farthest, whose encoder shows most of their motion.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.gaussian import white_std
 from orbident.preprocessing.histories import Histories
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Coupling, Robot
 
-ALIKE = 1.5
-"""Times their noise that encoders may differ by and show one motion. How large noise is
-shows to some percent, and play or a spring between the joints makes more of it."""
+ALIKE = 3.0
+"""Times their noise that encoders may differ by and show one motion. Of a motion apart
+that is hardly larger, noise shows as much as it does."""
 
 FEWEST = 20
-"""Samples of both joints that say how large noise is."""
+"""Samples of both joints that say how large noise is; with less they move as the robot
+file says."""
+
+MOST = 0.9
+"""Over the samples of the joint that has most: who has less leads no other."""
+
+SURE = 3.0
+"""Deviations of its zero from which on an encoder is elsewhere."""
 
 ROUNDING = 1e-12
 """Over a joint's motion: a column that another one gives differs by less from it."""
@@ -43,27 +51,61 @@ def one_motion(robot: Robot, recording: Recording) -> dict[str, Lead]:
         recording: of all joints, without what is no measurement, angles unwrapped.
     """
     groups = defaultdict[str, dict[str, Lead]](dict)
-    measured = {name: True for name in robot.joint_names}
+    samples = {
+        name: np.isfinite(recording.column(_position(name))).sum()
+        for name in robot.joint_names
+    }
     for coupling in robot.couplings:
-        q = recording.column(_position(coupling.follower))
-        apart = q - coupling.factor * recording.column(_position(coupling.leader))
-        apart = apart[np.isfinite(apart)]
-        if apart.size < FEWEST or not _noise_alone(robot, coupling, apart):
-            continue
-        measured[coupling.follower] = np.ptp(apart) > ROUNDING * np.nanmax(np.abs(q))
-        groups[coupling.leader][coupling.follower] = Lead(
-            coupling.leader, coupling.factor, float(np.median(apart))
-        )
+        follower, leader, factor, offset = coupling
+        apart = _apart(recording, coupling)
+        if apart.size >= FEWEST:
+            if not _noise_alone(robot, coupling, apart):
+                continue
+            offset = float(np.median(apart))
+        # Nobody measures what another column gives exactly.
+        size = np.nanmax(np.abs(recording.column(_position(follower))), initial=0.0)
+        if apart.size < FEWEST or np.ptp(apart) <= ROUNDING * size:
+            samples[follower] = 0
+        groups[leader][follower] = Lead(leader, factor, offset)
     found = dict[str, Lead]()
     for leader, each in groups.items():
         group = {leader: Lead(leader, 1.0, 0.0), **each}
-        seen = [name for name in group if measured[name]]
+        most = max(samples[name] for name in group)
+        seen = [name for name in group if samples[name] >= MOST * most]
         head = max(seen, key=lambda name: abs(group[name].factor))
         _, farthest, shift = group.pop(head)
         for name, (_, factor, offset) in group.items():
             ratio = factor / farthest
             found[name] = Lead(head, ratio, offset - ratio * shift)
     return found
+
+
+def encoders_elsewhere(robot: Robot, recording: Recording) -> Iterator[str]:
+    """Followers whose encoders are elsewhere than the robot file says, in words.
+
+    The arguments are those of `one_motion`.
+    """
+    zero = robot.tolerances.joint_zero
+    for coupling in robot.couplings:
+        follower, leader, factor, offset = coupling
+        apart = _apart(recording, coupling)
+        if apart.size < FEWEST or not _noise_alone(robot, coupling, apart):
+            continue
+        off = float(np.median(apart)) - offset
+        known = np.hypot(zero.get(follower, 0.0), factor * zero.get(leader, 0.0))
+        if abs(off) > SURE * np.hypot(known, white_std(apart)):
+            yield (
+                f"column '{_position(follower)}' is {off:.3g} beside what the robot "
+                f"file makes of joint '{leader}', more than encoders' zeros are off "
+                "within tolerances: correct the column or the coupling's offset"
+            )
+
+
+def _apart(recording: Recording, coupling: Coupling) -> Float[np.ndarray, " n"]:
+    """What is between a joint and what follows from the one that it follows."""
+    q, leading = (recording.column(_position(name)) for name in coupling[:2])
+    apart = q - coupling.factor * leading
+    return apart[np.isfinite(apart)]
 
 
 def _noise_alone(robot: Robot, coupling: Coupling, apart: np.ndarray) -> bool:

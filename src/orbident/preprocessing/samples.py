@@ -243,8 +243,9 @@ def samples_of(
         held = held_joints(robot, q, qd, float(np.median(np.diff(recording.t))))
     # However little a joint does, it moves with those that follow it.
     led = settings.once("followers", partial(one_motion, robot, recording))
-    moving = {lead.by for name, lead in led.items() if name not in held}
-    held = {name: x for name, x in held.items() if name not in {*led, *moving}}
+    head = {name: led[name].by if name in led else name for name in robot.joint_names}
+    moving = {head[name] for name in robot.joint_names if name not in held}
+    held = {name: x for name, x in held.items() if head[name] not in moving}
     joints = as_one_motion(robot, _holding(joints, robot.joint_names, held), led)
     return Samples(
         t=recording.t,

@@ -20,6 +20,7 @@ from orbident.preprocessing.column_faults import (
     unwrapped,
     within_a_turn,
 )
+from orbident.preprocessing.followers import encoders_elsewhere
 from orbident.preprocessing.rates import coarse_speeds, false_rates
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.column_checks import check_filled
@@ -96,7 +97,10 @@ def screened(robot: Robot, recording: Recording) -> Screened:
     settings = Settings()
     measured = _measured_only(robot, recording, settings)
     beyond = tuple(_beyond_ranges(robot, measured.recording))
-    coarse = tuple(coarse_speeds(robot, measured.recording))
+    coarse = (
+        *coarse_speeds(robot, measured.recording),
+        *encoders_elsewhere(robot, measured.recording),
+    )
     clean = _put_right(robot, measured, settings)
     return replace(clean, notes=(*beyond, *coarse, *clean.notes))
 

@@ -78,14 +78,14 @@ class CoupledJoints(NamedTuple):
 
 
 def coupled_joints(robot: Robot) -> CoupledJoints:
-    """How the robot's joints follow those that move by themselves."""
+    """How joints follow those that motors move; passive ones stay at zero."""
     at = {name: k for k, name in enumerate(robot.joint_names)}
     lead, offset = np.eye(len(at)), np.zeros(len(at))
     for follower, leader, factor, shift in robot.couplings:
         lead[at[follower]] = factor * lead[at[leader]]
         offset[at[follower]] = shift
     followers = {coupling.follower for coupling in robot.couplings}
-    free = [k for name, k in at.items() if name not in followers]
+    free = [k for name, k in at.items() if name not in {*followers, *robot.passive}]
     return CoupledJoints(free, lead[:, free], offset)
 
 

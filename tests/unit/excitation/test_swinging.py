@@ -9,6 +9,7 @@ from swinging_satellite import ARM, swinging_satellite
 
 import orbident as oi
 from orbident.errors import InputError
+from orbident.estimation.identify import identify
 from orbident.excitation.bound import bound_of
 from orbident.excitation.conditions import Conditions, conditions_for, limits_of
 from orbident.excitation.design import design_excitation, design_recordings
@@ -20,7 +21,7 @@ from orbident.trajectories.trajectory import Trajectory
 
 
 def geometric_mean(robot: Robot, motion: Trajectory) -> float:
-    covariance = bound_of(robot, motion).parameters.base.covariance
+    covariance = bound_of(robot, motion, "at-rest").parameters.base.covariance
     return float(np.exp(np.log(np.sqrt(np.diag(covariance))).mean()))
 
 
@@ -50,6 +51,18 @@ def test_the_best_of_several_numbers_of_harmonics_is_kept(tmp_path: Path):
     assert rate < 0.35
     assert made["amplitude_kept"] <= 1
     assert 0 < made["extremes"]["swings"]["panel_left"] < 0.5
+
+
+@pytest.mark.slow
+def test_a_robot_that_was_at_rest_is_not_doubted(tmp_path: Path):
+    """The linear equations, in which nothing swings, do not fit from rest."""
+    robot = swinging_satellite(tmp_path)
+    given = conditions_for(robot, 20.0, harmonics=3)
+    at_rest = usual_initial(robot, given.start, 60.0, at_rest=True)
+    given = replace(given, initial=at_rest)
+    motion = design_excitation(robot, starts=1, conditions=given)
+    flown = oi.simulate(robot, motion, noise="sensors", seed=1)
+    assert identify(robot, flown, initial_momentum="at-rest").status == "ok"
 
 
 def test_motions_that_break_a_limit_as_panels_swing_are_refused(tmp_path: Path):
@@ -95,6 +108,8 @@ def test_a_robot_whose_joints_are_all_passive_is_refused(tmp_path: Path):
     alone = replace(robot, passive=dict.fromkeys(robot.joint_names, spring))
     with pytest.raises(InputError, match="all are passive"):
         stiff(alone)
+    with pytest.raises(InputError, match="all are passive"):
+        design_excitation(alone, duration=10.0)
 
 
 def test_motions_beside_which_joints_swing_are_not_compared(tmp_path: Path):

@@ -12,7 +12,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS as CLOCKS
-from orbident.preprocessing.followers import Lead, one_motion
+from orbident.preprocessing.followers import Lead, encoders_elsewhere, one_motion
 from orbident.preprocessing.samples import samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Coupling, Robot
@@ -113,6 +113,42 @@ def test_play_and_springs_between_joints_are(apart):
     moved = recording.with_columns({column: recording.columns[column] + swing})
     assert one_motion(robot, moved) == {}
     assert samples_of(robot, moved, dict.fromkeys(CLOCKS, 0.0)).led == {}
+
+
+def test_an_encoder_elsewhere_is_told():
+    """More than zeros of both are off within their tolerances of 1 mrad."""
+    robot = coupled(0.5)
+    zeros = dict.fromkeys(robot.joint_names, 1e-3)
+    robot = replace(robot, tolerances=replace(robot.tolerances, joint_zero=zeros))
+    assert [*encoders_elsewhere(robot, flown(robot, 1, 1e-3))] == []
+    (words,) = encoders_elsewhere(robot, flown(robot, 1, 5e-3))
+    assert "column 'joint.joint3.position' is 0.005 beside what" in words
+    assert identify(robot, flown(robot, 1, 5e-3)).notes == (words,)
+
+
+def test_a_column_with_gaps_leads_no_other():
+    """What the other encoder saw meanwhile would be lost."""
+    robot = coupled(5.0)
+    recording = flown(robot, 1)
+    column = follower(robot)
+    for seen in (10, 300):
+        q = recording.columns[column].copy()
+        q[seen:] = np.nan
+        (lead,) = one_motion(robot, recording.with_columns({column: q})).values()
+        assert (lead.by, lead.factor) == ("joint2", 5.0)
+
+
+def test_joints_that_never_move_are_all_named():
+    robot = coupled(5.0)
+    recording = flown(robot, 1)
+    still = {
+        f"joint.{name}.position": NOISE
+        * np.random.default_rng(k).standard_normal(recording.t.size)
+        for k, name in enumerate(robot.joint_names[1:])
+    }
+    held = recording.with_columns(still)
+    samples = samples_of(robot, held, dict.fromkeys(CLOCKS, 0.0))
+    assert samples.locked == robot.joint_names[1:]
 
 
 def test_without_an_encoder_it_is_led():
