@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 301,
-    "lines": 65_104,
+    "lines": 65_109,
     "files of estimation": 50,
     "lines of estimation": 12_474,
     "files with one user": 64,

@@ -28,8 +28,11 @@ SINGULAR = 1e6
 
 NOT_EXCITED = (
     "the motion does not determine all parameters; give more harmonics or a longer "
-    "duration, or declare sensors and use the objective d"
+    "duration"
 )
+
+BY_SENSORS = ", or declare sensors and use the objective d"
+"""What helps where a condition number was made small."""
 
 
 NOT_PULSED = (
@@ -58,7 +61,9 @@ def design_doubts(found: Any, unshown: bool) -> list[str]:
     made, sentences = found.design, list[str]()
     value, searched = made["value"], made["searched_value"]
     if not excites_all(found):
-        sentences += [] if unshown else [NOT_EXCITED if found.joints else NOT_PULSED]
+        more = BY_SENSORS if made["objective"] == "cond" else ""
+        doubt = NOT_EXCITED + more if found.joints else NOT_PULSED
+        sentences += [] if unshown else [doubt]
     elif abs(searched - value) > AGREEMENT * value:
         sentences.append(
             f"the search valued this motion at {searched:.4g}, but the motion that it "
