@@ -38,7 +38,7 @@ SURE, MOST = 1.96, 5.0
 def drawn(seed: int) -> tuple[Robot, Recording]:
     random = np.random.default_rng(seed)
     joints = int(random.integers(3, 5))
-    wheels = random_wheels(seed, ["held"] * 3)
+    wheels = random_wheels(seed, ["held", "held", "held"])
     robot = random_robot(seed, random_parents(random, joints), (), wheels, base=20.0)
     factor = float(random.choice(FACTORS))
     leader, follower = random.permutation(joints)[:2]
