@@ -309,7 +309,7 @@ class Robot:
     feature_point: Float[np.ndarray, "3"]
     """S in the base link's frame, m."""
     couplings: tuple[Coupling, ...] = ()
-    """Joints that follow others; where a recording measures them, it counts."""
+    """Joints that follow others; where a recording shows them move apart, it counts."""
     wheels: tuple[Wheel, ...] = ()
     rotors: Mapping[str, GearedRotor] = field(default_factory=dict)
     """The rotors of joints' motors, by joint, no part of `theta`; a joint that turns
