@@ -12,6 +12,8 @@ from orbident.cli.app import main
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
+from orbident.studies.spatial import paper_case
+from orbident.trajectories.trajectory_file import save_trajectory
 
 
 @pytest.fixture
@@ -53,3 +55,11 @@ def table_run() -> Recording:
 def _inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Relative paths are inside the test's own folder."""
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def table_5(tmp_path: Path) -> Path:
+    """The paper's trajectory of its planar robot, as a file."""
+    path = tmp_path / "table5.yaml"
+    save_trajectory(paper_case(load_robot("cepheus-like")).trajectory, path)
+    return path

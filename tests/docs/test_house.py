@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 301,
-    "lines": 65_109,
+    "files": 302,
+    "lines": 65_143,
     "files of estimation": 50,
     "lines of estimation": 12_474,
-    "files with one user": 64,
+    "files with one user": 65,
     "imports below each other": 30,
     "numbers without a reason": 38,
 }

@@ -6,6 +6,12 @@ factor, and declared frequencies by 20 % either way. Of as many flights of each 
 ORBIDENT_SWINGS says (20 by default):
 
     ORBIDENT_SWINGS=20 pytest -m long -s tests/statistics/test_swinging_intervals.py
+
+What a fit with two panels costs beside one with both welded, where annotations are not
+checked at every call, as that takes time, too:
+
+    ORBIDENT_SWINGS=4 pytest --jaxtyping-packages=none,beartype.beartype -m long -s
+        -k cost tests/statistics/test_swinging_intervals.py
 """
 
 # MuJoCo is compiled, and its stubs do not say what it exports.
@@ -17,6 +23,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from time import process_time
 from typing import Any, NamedTuple
 
 import mujoco
@@ -48,6 +55,9 @@ NEAR = 0.01
 
 CAD, DECLARED = 0.05, 0.2
 """How far masses and inertias of the CAD model, and declared frequencies, are off."""
+
+COST = 4.0
+"""Times the processor's time of a rigid robot."""
 
 JERKS = np.array([12.0, 20.0, 28.0, 36.0, 44.0, 52.0]) / 60
 """When the arm moves by `JERK` beside the example's motion, its joints in turn: shares
@@ -289,3 +299,34 @@ def test_swings_lie_in_their_intervals(tmp_path, name):
     assert off.max() < NEAR
     # Numbers of one flight are correlated: three deviations of 95 %.
     assert abs(inside - 0.95) < 3 * np.sqrt(0.95 * 0.05 / of_base.size * 4)
+
+
+def welded() -> Swings:
+    """The satellite whose panels do not swing."""
+    model = satellite(panels=True)
+    for body in model.iter("body"):
+        if body.get("name") in ("left", "right"):
+            for joint in body.findall("joint"):
+                body.remove(joint)
+    return Swings(model, model, {}, {})
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", [*CASES][:2])
+def test_two_panels_cost_at_most_four_times_as_much(tmp_path, name):
+    ratios = []
+    for seed in range(SEEDS):
+        seconds = []
+        for case in (CASES[name](), welded()):
+            true = robot_of(case, tmp_path, 1 + DECLARED * (-1) ** seed)
+            robot = by_cad(true, np.random.default_rng(seed))
+            recording = recorded(true, case, seed, tmp_path)
+            # The first one also reads what the next has at hand.
+            for _ in range(2):
+                began = process_time()
+                identify(robot, recording)
+                last = process_time() - began
+            seconds.append(last)
+        ratios.append(seconds[0] / seconds[1])
+        print(f"{name}: {seconds[0]:.2f} s, {ratios[-1]:.2f} times", flush=True)
+    assert np.median(ratios) < COST

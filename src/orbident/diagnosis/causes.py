@@ -31,9 +31,12 @@ from orbident.diagnosis.trial import (
     Rival,
     Trial,
     amended_trial,
+    best_trial,
     chi_square_left,
     given_up_at,
     is_as_noise,
+    rank,
+    sure_trial,
 )
 from orbident.environment.agents import AGENTS
 from orbident.estimation.checks import Check
@@ -49,10 +52,6 @@ from orbident.threads import one_blas_thread
 
 EXPLAINS = 100.0
 """Fall in chi-square from which on a cause is worth a word though others are left."""
-
-NEARLY = 0.9
-"""Part of what explains a recording: suspects are put right to first order, so that the
-true one may explain a little less than another one that is accepted."""
 
 MOST = 0.5
 """Part of what a trial explains that clocks did which had been corrected before it; and
@@ -111,9 +110,11 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     usual = shown.expected() if shown and shown.expected else shown
     # A jump spoils the linear equations, where it may look like a wrong sign.
     now = misfit(usual) if usual else np.inf
-    jumped = [_sure(one, now) for one in jumps(problem, usual, now)] if usual else []
+    jumped = (
+        [sure_trial(one, now) for one in jumps(problem, usual, now)] if usual else []
+    )
     if any(one.accepted for one in jumped):
-        yield _explained(min(jumped, key=_rank), now)
+        yield _explained(min(jumped, key=rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
     # Linear equations know nothing of thrust.
@@ -190,7 +191,7 @@ def _by_trials(
     trials = [*jumped, *_tried(compared, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
-    best = _best(trials, before)
+    best = best_trial(trials, before)
     if best is not None and best.accepted:
         if corrected and before - now > MOST * (before - best.misfit):
             best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
@@ -304,7 +305,7 @@ def _tried(
     with suppress(OutOfTimeError):
         for some in _stages(solved, conventions, untried, before):
             for one in some:
-                trials.append(_sure(one, before))
+                trials.append(sure_trial(one, before))
                 if sum(each.lost for each in trials) == LOST or process_time() > end:
                     return [_beside(one, untried, before) for one in trials]
             if any(one.accepted for one in trials):
@@ -350,12 +351,6 @@ def _beside(one: Trial, untried: list[Scored], before: float) -> Trial:
     return one._replace(rival=max(one.rival, Rival(falls, untried[0].cause)))
 
 
-def _sure(one: Trial, before: float) -> Trial:
-    """Accepted by no chance: it explains more, or samples show it by themselves."""
-    explains = one.seen or before - one.misfit > WORTH
-    return one._replace(accepted=one.accepted and explains)
-
-
 def _written(
     conventions: list[CorrectedConvention], problem: MomentumProblem
 ) -> Iterator[Trial]:
@@ -364,37 +359,6 @@ def _written(
     for convention in first[:LIKELIEST]:
         right = convention.written(problem)
         yield amended_trial(convention.cause, problem, recording=right)
-
-
-def _best(trials: list[Trial], before: float) -> Trial | None:
-    """The best trial; of those that explain alike the one that was likelier.
-
-    Its rival is another one that is accepted and explains nearly as much, or one that
-    explains far more, though not all.
-    """
-    best = min(trials, key=_rank, default=None)
-    if best is None or not best.accepted:
-        return best
-    alike = [one for one in trials if one.misfit < best.misfit + WORTH]
-    first = next(one for one in alike if one.accepted)
-    least = before - first.misfit
-
-    def rivals(one: Trial) -> bool:
-        falls = before - one.misfit
-        nearly = falls > NEARLY * least
-        return bool(nearly if one.accepted else NEARLY * falls > least)
-
-    others = [one for one in trials if one is not first and rivals(one)]
-    other = min(others, key=lambda one: one.misfit, default=None)
-    if other is None:
-        return first
-    # What is accepted explains enough.
-    falls = max(before - other.misfit, least)
-    return first._replace(rival=max(first.rival, Rival(falls, other.cause)))
-
-
-def _rank(trial: Trial) -> tuple[bool, float]:
-    return not trial.accepted, trial.misfit
 
 
 def _found(reason: str, remedy: str, statistic: float = float("nan")) -> Check:

@@ -1,4 +1,4 @@
-"""A recording with one thing put right: is it accepted then?"""
+"""Recordings with one thing put right: are they accepted, and which is the best?"""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.checks import only_vague, worst
-from orbident.estimation.clock_search import misfit
+from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -22,6 +22,10 @@ from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.residual_checks import NOISY
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+
+NEARLY = 0.9
+"""Part of what explains a recording: suspects are put right to first order, so that the
+true one may explain a little less than another one that is accepted."""
 
 _end = ContextVar("end", default=np.inf)
 
@@ -149,3 +153,41 @@ def chi_square_left(estimate: Estimate | None) -> float:
 def is_as_noise(estimate: Estimate | None) -> bool:
     """Whether the residuals are as small as noise."""
     return chi_square_left(estimate) < NOISY**2
+
+
+def sure_trial(one: Trial, before: float) -> Trial:
+    """Accepted by no chance: it explains more, or samples show it by themselves."""
+    explains = one.seen or before - one.misfit > WORTH
+    return one._replace(accepted=one.accepted and explains)
+
+
+def best_trial(trials: list[Trial], before: float) -> Trial | None:
+    """The best trial; of those that explain alike the one that was likelier.
+
+    Its rival is another one that is accepted and explains nearly as much, or one that
+    explains far more, though not all.
+    """
+    best = min(trials, key=rank, default=None)
+    if best is None or not best.accepted:
+        return best
+    alike = [one for one in trials if one.misfit < best.misfit + WORTH]
+    first = next(one for one in alike if one.accepted)
+    least = before - first.misfit
+
+    def rivals(one: Trial) -> bool:
+        falls = before - one.misfit
+        nearly = falls > NEARLY * least
+        return bool(nearly if one.accepted else NEARLY * falls > least)
+
+    others = [one for one in trials if one is not first and rivals(one)]
+    other = min(others, key=lambda one: one.misfit, default=None)
+    if other is None:
+        return first
+    # What is accepted explains enough.
+    falls = max(before - other.misfit, least)
+    return first._replace(rival=max(first.rival, Rival(falls, other.cause)))
+
+
+def rank(trial: Trial) -> tuple[bool, float]:
+    """The least is the best: what is accepted comes first, then the likeliest."""
+    return not trial.accepted, trial.misfit

@@ -140,9 +140,9 @@ def log_deviation(
     trajectory: Trajectory,
     initial_momentum: InitialMomentum = "unknown",
 ) -> float:
-    """Of the least deviations of the base parameters: the logarithm of their mean.
+    """The logarithm of the geometric mean of the base parameters' least deviations.
 
-    The mean is geometric, so that it depends on no units; infinite where not all are
+    Such a mean depends on no units. It is infinite where not all parameters are
     determined. Errors are those of `bound_of`.
     """
     base = bound_of(robot, trajectory, initial_momentum).parameters.base

@@ -56,7 +56,7 @@ class Swinging(NamedTuple):
     value: float
     """Logarithm of the geometric mean of the least deviations."""
     base: BaseExtremes
-    """Of the samples."""
+    """How far the base goes at the samples of the flight."""
     swings: Float[np.ndarray, " joints"]
     """How far each joint goes, rad or m."""
     share: float
@@ -87,11 +87,11 @@ class SwingSearch(MotionSearch):
     given: Conditions
     harmonics: Sequence[int]
     design: Callable[..., Trajectory]
-    """As `design_excitation`."""
+    """`design_excitation`, which finds the best motion of a robot without springs."""
 
     @property
     def momentum(self) -> InitialMomentum:
-        """What is known of it where the motion begins as the conditions say."""
+        """What is known of the robot's momentum as a motion begins."""
         still = was_at_rest(self.robot, self.given.initial, self.given.start)
         return "at-rest" if still else "unknown"
 
@@ -215,7 +215,7 @@ def _of_driven(motion: Trajectory, robot: Robot) -> Trajectory:
 
 
 def _extremes(robot: Robot, flight: FreeFlying) -> BaseExtremes:
-    """Those of a flight's samples."""
+    """How far the base goes at the samples of a flight."""
     x, table = flight.attitude, None
     if robot.motion == "planar":
         R = quaternion_matrix(x)

@@ -55,12 +55,8 @@ def one_motion(robot: Robot, recording: Recording) -> dict[str, Lead]:
         name: np.isfinite(recording.column(_position(name))).sum()
         for name in robot.joint_names
     }
-    for coupling in robot.couplings:
-        follower, leader, factor, offset = coupling
-        apart = _apart(recording, coupling)
+    for (follower, leader, factor, offset), apart in _together(robot, recording):
         if apart.size >= FEWEST:
-            if not _noise_alone(robot, coupling, apart):
-                continue
             offset = float(np.median(apart))
         # Nobody measures what another column gives exactly.
         size = np.nanmax(np.abs(recording.column(_position(follower))), initial=0.0)
@@ -86,10 +82,8 @@ def encoders_elsewhere(robot: Robot, recording: Recording) -> Iterator[str]:
     The arguments are those of `one_motion`.
     """
     zero = robot.tolerances.joint_zero
-    for coupling in robot.couplings:
-        follower, leader, factor, offset = coupling
-        apart = _apart(recording, coupling)
-        if apart.size < FEWEST or not _noise_alone(robot, coupling, apart):
+    for (follower, leader, factor, offset), apart in _together(robot, recording):
+        if apart.size < FEWEST:
             continue
         off = float(np.median(apart)) - offset
         known = np.hypot(zero.get(follower, 0.0), factor * zero.get(leader, 0.0))
@@ -101,19 +95,22 @@ def encoders_elsewhere(robot: Robot, recording: Recording) -> Iterator[str]:
             )
 
 
-def _apart(recording: Recording, coupling: Coupling) -> Float[np.ndarray, " n"]:
-    """What is between a joint and what follows from the one that it follows."""
-    q, leading = (recording.column(_position(name)) for name in coupling[:2])
-    apart = q - coupling.factor * leading
-    return apart[np.isfinite(apart)]
-
-
-def _noise_alone(robot: Robot, coupling: Coupling, apart: np.ndarray) -> bool:
+def _together(
+    robot: Robot, recording: Recording
+) -> Iterator[tuple[Coupling, Float[np.ndarray, " n"]]]:
+    """Couplings whose encoders show one motion, and what is between both, rad or m."""
     encoders = robot.sensors.joints
     declared = encoders.white_std() if encoders else 0.0
-    noise = max(float(white_std(apart)), float(np.hypot(1, coupling.factor)) * declared)
-    off = apart - np.median(apart)
-    return bool(np.sqrt(np.mean(off**2)) <= ALIKE * noise)
+    for coupling in robot.couplings:
+        q, leading = (recording.column(_position(name)) for name in coupling[:2])
+        apart = q - coupling.factor * leading
+        apart = apart[np.isfinite(apart)]
+        if apart.size >= FEWEST:
+            noise = max(white_std(apart), np.hypot(1, coupling.factor) * declared)
+            off = apart - np.median(apart)
+            if np.sqrt(np.mean(off**2)) > ALIKE * noise:
+                continue
+        yield coupling, apart
 
 
 def as_one_motion(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from orbident.diagnosis.causes import _best, _explained
+from orbident.diagnosis.causes import _explained
 from orbident.diagnosis.likeliest import LIKELIEST, Scored, likeliest
-from orbident.diagnosis.trial import NONE, Rival, Trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, best_trial
 from orbident.estimation.clock_search import WORTH
 
 BEFORE = 1000.0
@@ -41,7 +41,7 @@ def test_what_samples_show_by_themselves_is_a_fact():
 def test_two_that_are_accepted_and_explain_alike_are_both_named():
     first = Trial("an axis of one wheel is tilted", True, 500.0)
     other = Trial("an axis of another one is tilted", True, 500.0 - WORTH / 2)
-    best = _best([first, other, Trial("a panel swings", False, 480.0)], BEFORE)
+    best = best_trial([first, other, Trial("a panel swings", False, 480.0)], BEFORE)
     assert best is not None
     assert best.cause == first.cause
     words = _explained(best, BEFORE).words
@@ -55,7 +55,7 @@ def test_what_explains_more_but_not_all_may_be_the_cause_too():
         Trial("a joint slips", False, 100.0),
         Trial("a panel swings", False, 900.0),
     ]
-    best = _best(trials, BEFORE)
+    best = best_trial(trials, BEFORE)
     assert best is not None
     words = _explained(best, BEFORE).words
     assert words.startswith("perhaps a joint drifts")
@@ -64,7 +64,7 @@ def test_what_explains_more_but_not_all_may_be_the_cause_too():
 
 def test_one_that_explains_a_little_less_may_be_the_cause_too():
     other = Trial("a wheel is late", True, 540.0)
-    best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
+    best = best_trial([other, Trial("a torque acts", True, 500.0)], BEFORE)
     assert best is not None
     words = _explained(best, BEFORE).words
     assert words.startswith("perhaps a torque acts")
@@ -74,7 +74,7 @@ def test_one_that_explains_a_little_less_may_be_the_cause_too():
 @pytest.mark.parametrize(("accepted", "misfit"), [(True, 600.0), (False, 480.0)])
 def test_one_that_explains_much_less_or_not_all_is_no_rival(accepted, misfit):
     other = Trial("a wheel is late", accepted, misfit)
-    best = _best([other, Trial("a torque acts", True, 500.0)], BEFORE)
+    best = best_trial([other, Trial("a torque acts", True, 500.0)], BEFORE)
     assert best is not None
     assert best.rival == NONE
 
