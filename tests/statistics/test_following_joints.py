@@ -3,7 +3,7 @@
 Of so many robots as ORBIDENT_RUNS says (20 by default), some without a column of the
 follower:
 
-    ORBIDENT_RUNS=80 pytest -m long -s tests/statistics/test_followers.py
+    ORBIDENT_RUNS=80 pytest -m long -s tests/statistics/test_following_joints.py
 """
 
 import os
