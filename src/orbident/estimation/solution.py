@@ -311,13 +311,19 @@ class Solution(NamedTuple):
     """How the search got there."""
     names: tuple[str, ...] = ()
     """The names of the unknowns that the state selects, in its order."""
+    weakened: Float[np.ndarray, "n n"] | None = None
+    """Triangular, over `[g, rhs]`: all that is known of `g`, without what noise shows of
+    it; None where that is nothing."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
         """The covariance of `[z, g]`, `z` of the meeting boundary, to first order."""
         n = self.linear.local
         factor = self.linear.factor.copy()
-        factor[n:, n:] = self.prior.added(self.linear.common, self.state)
+        known = self.weakened
+        if known is None:
+            known = self.prior.added(self.linear.common, self.state)
+        factor[n:, n:] = known
         root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
         return np.asarray(root @ root.T)
 

@@ -14,6 +14,7 @@ from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.joint_laws import HELD
+from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,
@@ -180,7 +181,8 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     std = prior.std.copy()
     std[shared] = np.inf
     alone = Prior(prior.values, std)
-    factor = alone.added(common, state)
+    noise = NoiseAsMotion(problem, solution)
+    factor = noise.without(alone.added(common, state), common, state)
     left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
     return Shared(state.beta, errors, left)

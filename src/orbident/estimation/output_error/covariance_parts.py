@@ -16,6 +16,7 @@ from jaxtyping import Float
 
 from orbident.environment.agents import NOISE
 from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
+from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
 from orbident.estimation.output_error.sensors import (
     TORQUES,
@@ -45,7 +46,8 @@ def covariance_parts(problem: Problem, solution: Solution) -> ErrorSources:
     prior, here = solution.prior, solution.linear
     if here.given_up:
         here = linear(problem, solution.weights, here.at)
-    C = solution.covariance[here.local :, here.local :]
+    # Errors of samples are times the gain, also where errors of paths count.
+    C = NoiseAsMotion(problem, solution).gain.covariance[here.local :, here.local :]
     beta = np.arange(OUTSIDE, OUTSIDE + here.at.beta.size)
     X = C[:, beta]
     # Unknowns of boundaries follow those in common, without errors of their own.

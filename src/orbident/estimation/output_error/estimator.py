@@ -60,6 +60,7 @@ from orbident.estimation.output_error.joint_laws import (
     springs_of,
     what_is_carried_held,
 )
+from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -238,6 +239,9 @@ def _estimate(
     """What a fit says."""
     robot, sets = problem.robot, problem.sets
     found, equations = fit.found, fit.search.problem
+    sources = partial(covariance_parts, equations, found.solution)
+    weakened = NoiseAsMotion(equations, found.solution).weakened
+    found = found._replace(solution=weakened)
     beta = estimate_of(found.solution, prior_std(robot, sets))
     by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
     calibration = _calibration(equations, found.solution)
@@ -265,7 +269,7 @@ def _estimate(
         springs=springs_of(robot, calibration),
         drives=drives_of(robot, calibration, _driven(robot, equations)),
         sensitivity=partial(sensitivity, fit.zeros),
-        sources=partial(covariance_parts, equations, found.solution),
+        sources=sources,
         converged=found.solution.converged,
         settled=found.settled,
         rise=found.rise,

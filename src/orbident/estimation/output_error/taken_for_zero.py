@@ -25,6 +25,7 @@ from scipy.linalg import solve_triangular
 
 from orbident.environment.agents import ALIKE, FREE, NOISE, UNTESTED
 from orbident.estimation.levels import limit
+from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.estimation.unknowns import Score, Sensitivity, Unknown, score
@@ -59,11 +60,14 @@ class TakenForZero:
         """Triangular, over changes of the solution's unknowns, of these, and rhs."""
         places = np.array([each.place for each in self.unknowns])
         state = self.solution.state.selecting(places)
-        factor = common_factor(self.problem, self.solution.weights, state)
-        self.problem.acting.forget()
+        shown = common_factor(self.problem, self.solution.weights, state)
+        factor = shown.copy()
         self._with_noise_of_wheels(factor)
         prior = self.solution.prior.extended(np.full(places.size, np.inf))
-        return prior.added(factor, state)
+        noise = NoiseAsMotion(self.problem, self.solution)
+        factor = noise.without(prior.added(factor, state), shown, state)
+        self.problem.acting.forget()
+        return factor
 
     def _with_noise_of_wheels(self, factor: Float[np.ndarray, "n n"]) -> None:
         """An error of a wheel's inertia is one of its noise's momentum, too.
