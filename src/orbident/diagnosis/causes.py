@@ -92,7 +92,9 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
         with given_up_at(end):
             found.extend(_causes(solved, end - (ANSWER - QUICK)))
     except OutOfTimeError:
-        found = found or [_nothing("", SEARCH_ON)]
+        # What needs no fit is asked in any case.
+        ring = _ring(solved.problem, solved.shown) if not found else None
+        found = found or [ring or _nothing("", SEARCH_ON)]
     return tuple(found)
 
 
@@ -200,15 +202,21 @@ def _by_trials(
     if leaves_nothing(solved.problem, shown):
         # Nothing is left to explain: the numbers themselves say what is wrong.
         return
-    moved = rigid_motion(solved.problem.robot, solved.problem.samples)
-    ring = ring_of(shown.signals, moved)
+    ring = _ring(solved.problem, shown)
     if ring is not None:
         # What is left rings, so it is no event, nor what explains some of it.
-        yield _found(ring.reason, ring.remedy)
+        yield ring
         return
     # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
     problem = corrected.recorded if corrected else solved.problem
     yield from _unexplained(problem, shown, best, before, end)
+
+
+def _ring(problem: MomentumProblem, shown: Estimate | None) -> Check | None:
+    """What rings, in what a fit leaves."""
+    moved = rigid_motion(problem.robot, problem.samples)
+    ring = ring_of(shown.signals if shown else (), moved)
+    return ring and _found(ring.reason, ring.remedy)
 
 
 def _unexplained(

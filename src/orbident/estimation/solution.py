@@ -312,8 +312,8 @@ class Solution(NamedTuple):
     names: tuple[str, ...] = ()
     """The names of the unknowns that the state selects, in its order."""
     weakened: Float[np.ndarray, "n n"] | None = None
-    """Triangular, over `[g, rhs]`: all that is known of `g`, without what noise shows of
-    it; None where that is nothing."""
+    """Triangular, over `[g, rhs]`: all that is known of `g`, without what noise shows;
+    None where that is nothing."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:

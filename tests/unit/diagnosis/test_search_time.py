@@ -8,6 +8,7 @@ from cause_problems import fitted, problem_with
 
 from orbident.diagnosis import causes as module
 from orbident.diagnosis.causes import SEARCH_ON, causes
+from orbident.diagnosis.rings import Ring
 from orbident.diagnosis.trial import OutOfTimeError, given_up_at, trial
 from orbident.estimation.estimate import Solved
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -40,3 +41,19 @@ def test_an_answer_says_that_the_search_ended(
     (found,) = causes(Solved(problem, [], shown, shown))
     assert found.remedy.endswith(SEARCH_ON)
     assert found.reason.startswith("no cause that was tried")
+
+
+@pytest.mark.parametrize("stage", ["jumps", "smoothed"])
+def test_what_rings_is_named_when_the_time_is_over(
+    problem: MomentumProblem, stage: str, monkeypatch: pytest.MonkeyPatch
+):
+    """It needs no fit."""
+
+    def too_long(*_: object) -> NoReturn:
+        raise OutOfTimeError
+
+    monkeypatch.setattr(module, stage, too_long)
+    monkeypatch.setattr(module, "ring_of", lambda *_: Ring(3.7, alike=True))
+    shown = fitted(problem)
+    (found,) = causes(Solved(problem, [], shown, shown))
+    assert "rings at 3.7 Hz" in found.reason

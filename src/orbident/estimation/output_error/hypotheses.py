@@ -13,7 +13,7 @@ score (`taken_for_zero.py`). Both are chi-square, and `levels.py` says when chan
 explains them. Where it does not, the family is as large as is most likely.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
@@ -95,7 +95,7 @@ class Search:
         return self.steps < STEPS
 
     def freed(
-        self, names: Collection[str] = (), trial: Sequence[Unknowns] = ()
+        self, names: Collection[str] = (), trial: Unknowns | None = None
     ) -> Solution:
         """The least cost with these among the unknowns too, with the assumed noise.
 
@@ -111,21 +111,16 @@ class Search:
         solve = partial(solved, problem, problem.weights, progress=progress)
         here = self.at_hand.pop().carried(places) if self.at_hand else None
         few = min(self.steps, FEW_STEPS)
-        solutions = list[Solution]()
-        for start in trial or [self.start]:
-            at = start.carried(places)
-            solution = solve(prior=prior, state=at, steps=few, here=here)
-            here = None
-            # Where little shows the scale, there is a least cost of no robot, too.
-            if solution.converged and solution.state.beta[0] > 0:
-                return solution
-            solutions.append(solution)
-        loose = None if trial else self.loose
-        if loose:
-            at = self._loosely(loose(), prior, places)
-            solutions.append(solve(prior=prior, state=at, steps=self.steps))
-        best = min(solutions, key=lambda each: each.cost)
-        if not loose or best.converged:
+        state = (trial or self.start).carried(places)
+        first = solve(prior=prior, state=state, steps=few, here=here)
+        # Where little shows the scale, there is a least cost of no robot, too.
+        found = first.converged and first.state.beta[0] > 0
+        if found or trial or not self.loose:
+            return first
+        loosely = self._loosely(self.loose(), prior, places)
+        second = solve(prior=prior, state=loosely, steps=self.steps)
+        best = min(first, second, key=lambda each: each.cost)
+        if best.converged:
             return best
         return solve(prior=prior, state=best.state, steps=self.steps)
 
@@ -259,7 +254,7 @@ def _sized(search: Search) -> tuple[Search, Callable[[], Solution]]:
         return search, lambda: solution
     sizes = {name: size_of(search.problem, solution, name) for name in free}
     sized = search.allowing(sizes)
-    return sized, lambda: sized.freed(trial=[solution.state])
+    return sized, lambda: sized.freed(trial=solution.state)
 
 
 def _shown(problem: Problem) -> set[str]:
@@ -276,15 +271,13 @@ def _best(
     Where an instrument that is off, one number, is likelier than all numbers of a
     family, nothing is freed: the checks of the residuals then say what is wrong.
     """
-    problem, at = search.problem, zeros.solution.state
-    # A bad fit is hardly near anything; the better start is, where a family is right.
-    near = [search.start, at] if _bad(problem, cost) else [at]
+    problem = search.problem
     among = (*problem.expected, *problem.declared)
     free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     # A walk is as large as its density, which is no unknown here.
     beside = {*excluded, *free, *UNTESTED, *(SLOW if {*SLOW, *WALKS} & free else ())}
-    tried = _freed(search, zeros, cost, _beyond(zeros, beside), near)
+    tried = _freed(search, zeros, cost, _beyond(zeros, beside))
     if not tried:
         return None
     least, family, freed, solution = min(tried, key=lambda each: each.worth)
@@ -292,7 +285,7 @@ def _best(
         # It is an instrument itself; more than one valve may stick.
         return family, freed, solution
     bad = _bad(problem, solution.cost)
-    if bad or _by_an_instrument(search, zeros, cost, near, least):
+    if bad or _by_an_instrument(search, zeros, cost, least):
         return None
     size = size_of(freed.problem, solution, family)
     sizes = {name: each.size for name, each in problem.acting.allowed.items()}
@@ -300,7 +293,7 @@ def _best(
     alike = {each: max(size, sizes.get(each, 0.0)) for each in others}
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
-    solution = sized.freed(trial=[solution.state])
+    solution = sized.freed(trial=solution.state)
     # Free it follows anything; as large as is most likely it may explain nothing.
     explains = cost - solution.cost > limit("disturbance", 1)
     possible = explains and _possible(search, solution, family, cost)
@@ -321,18 +314,18 @@ def _freed(
     zeros: TakenForZero,
     cost: float,
     beyond: Mapping[str, float],
-    near: Sequence[Unknowns],
 ) -> list[_Freed]:
     """Free the likeliest families, one at a time; those that explain something.
 
     First order says which can be as likely as the first of these.
     """
     problem, tried = search.problem, list[_Freed]()
+    at = zeros.solution.state
     for family in _likely(beyond):
         if tried and beyond[family] < FIRST_ORDER * beyond[tried[0].family]:
             break
         freed = search.allowing({family: np.inf})
-        solution = freed.freed(trial=near)
+        solution = freed.freed(trial=at)
         numbers = len(problem.unknowns([family]))
         chance = solution.cost + limit("disturbance", numbers) >= cost
         if not chance and _possible(search, solution, family, cost):
@@ -352,7 +345,6 @@ def _by_an_instrument(
     search: Search,
     zeros: TakenForZero,
     cost: float,
-    near: Sequence[Unknowns],
     least: float,
 ) -> bool:
     """Whether one that is off is likelier than what has this evidence."""
@@ -360,7 +352,7 @@ def _by_an_instrument(
     for instrument in _likely(excess):
         most = cost * (1 - FURTHER * excess[instrument] / zeros.solution.cost)
         if integrated_out(cost, most, 1) < least:
-            with_it = search.freed([instrument], near)
+            with_it = search.freed([instrument], zeros.solution.state)
             if integrated_out(cost, with_it.cost, 1) < least:
                 return True
     return False
