@@ -60,7 +60,6 @@ from orbident.estimation.output_error.joint_laws import (
     springs_of,
     what_is_carried_held,
 )
-from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -240,8 +239,7 @@ def _estimate(
     robot, sets = problem.robot, problem.sets
     found, equations = fit.found, fit.search.problem
     sources = partial(covariance_parts, equations, found.solution)
-    weakened = NoiseAsMotion(equations, found.solution).weakened
-    found = found._replace(solution=weakened)
+    found = found._replace(solution=fit.zeros.noise.weakened)
     beta = estimate_of(found.solution, prior_std(robot, sets))
     by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
     calibration = _calibration(equations, found.solution)

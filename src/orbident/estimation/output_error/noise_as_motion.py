@@ -17,24 +17,48 @@ moves, `N` is nearly all, and what only that joint shows is hardly known.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import Problem, common_factor, linear
 from orbident.estimation.solution import Solution, Unknowns
 from orbident.estimation.triangular import RANK, triangular_factor
 
-SLIGHT = 1e-3
-"""Square of the noise of a path over that of its motion, below which `N` is nothing:
-deviations would change by a part as small as that, or a few of them."""
+SLIGHT = 1e-2
+"""Part of the information that is nothing: deviations change by as small a part of
+themselves. It is asked for only where the noise of a path, squared, is no smaller part
+of the motion."""
 
 LEAST = 1e-2
-"""Part of the information that is left, at least: what noise alone shows is not known,
-and CAD says then how large it can be."""
+"""Part of the information that is left, at least: of what noise alone shows deviations
+are a hundred times as large, which says that it is not known."""
 
 SEED = 0
 """Of the draw of `e'`: all intervals are drawn, so that one draw is enough."""
+
+
+class _Shares(NamedTuple):
+    """How much of the information noise shows, by directions in which it is one."""
+
+    rows: Float[np.ndarray, "directions n"]
+    """What is known along each of them, over `[g, rhs]`."""
+    axes: Float[np.ndarray, "directions directions"]
+    shares: Float[np.ndarray, " directions"]
+    """Along each of the axes."""
+
+    def left(self, power: float) -> Float[np.ndarray, "n n"]:
+        """The equations without it, triangular.
+
+        Args:
+            power: of the part of the information that is left.
+        """
+        part = np.clip(1 - self.shares, LEAST, 1.0) ** power
+        n = self.rows.shape[1]
+        rows = (self.axes * part) @ self.axes.T @ self.rows
+        return triangular_factor(np.vstack([rows, np.zeros((n, n))]))
 
 
 @dataclass(frozen=True)
@@ -56,17 +80,15 @@ class NoiseAsMotion:
         return self._weakened(0.5)
 
     def _weakened(self, power: float) -> Solution:
-        solution, shown = self.solution, self.solution.linear.common
-        whole = solution.prior.added(shown, solution.state)
-        left = self.without(whole, shown, solution.linear.at, power)
-        return solution if left is whole else solution._replace(weakened=left)
+        if self._own is None:
+            return self.solution
+        return self.solution._replace(weakened=self._own.left(power))
 
     def without(
         self,
         whole: Float[np.ndarray, "n n"],
         shown: Float[np.ndarray, "n n"],
         at: Unknowns,
-        power: float = 1.0,
     ) -> Float[np.ndarray, "n n"]:
         """Equations of the common unknowns, as weak as they are without it.
 
@@ -75,41 +97,51 @@ class NoiseAsMotion:
                 known beforehand.
             shown: of samples alone.
             at: where they were linearised; more may be selected than in the solution.
-            power: of the part of the information that is left.
         """
-        e = self._error
-        if e is None:
+        if self._own is None:
             return whole
+        return self._shares(whole, shown, at).left(1.0)
+
+    @cached_property
+    def _own(self) -> _Shares | None:
+        """That of the solution's own unknowns; None where it is nothing."""
+        if self._noise_over_motion() < SLIGHT:
+            return None
+        here = self.solution.linear
+        whole = self.solution.prior.added(here.common, self.solution.state)
+        own = self._shares(whole, here.common, here.at)
+        return own if own.shares.max() > SLIGHT else None
+
+    def _shares(
+        self,
+        whole: Float[np.ndarray, "n n"],
+        shown: Float[np.ndarray, "n n"],
+        at: Unknowns,
+    ) -> _Shares:
         weights, still = self.solution.weights, np.zeros(at.common.size)
         # To either side: what is linear in `e'` is zero on average.
         sides = [
-            common_factor(self.problem, weights, at.moved(side * e, still))
+            common_factor(self.problem, weights, at.moved(side * self._error, still))
             for side in (1.0, -1.0)
         ]
         size = np.linalg.norm(whole[:, :-1], axis=0)
         size = np.where(size > 0, size, 1.0)
         U, s, Vt = np.linalg.svd(whole[:-1, :-1] / size)
         seen = s > RANK * s.max()
-        # Over directions in each of which the information is one.
         inverse = Vt[seen].T / s[seen] / size[:, None]
         here, *moved = (
             information.T @ information
             for information in (part[:, :-1] @ inverse for part in (shown, *sides))
         )
-        share, axes = np.linalg.eigh((moved[0] + moved[1]) / 2 - here)
-        left = np.clip(1 - share, LEAST, 1.0) ** power
-        rows = (axes * left) @ axes.T @ U[:, seen].T @ whole[:-1]
-        nothing = np.zeros_like(whole)
-        return triangular_factor(np.vstack([rows, whole[-1:], nothing]))
+        shares, axes = np.linalg.eigh((moved[0] + moved[1]) / 2 - here)
+        return _Shares(U[:, seen].T @ whole[:-1], axes, shares)
 
     @cached_property
-    def _error(self) -> Float[np.ndarray, "boundaries local"] | None:
-        """`e'` of all that belongs to boundaries; None where noise shows nothing.
+    def _error(self) -> Float[np.ndarray, "boundaries local"]:
+        """`e'` of all that belongs to boundaries.
 
         Equations `A z = b + n` have the errors `A^-1 n`, with `n` of unit variances.
         """
-        if self._noise_over_motion() < SLIGHT:
-            return None
         here = self.solution.linear
         if here.given_up:
             here = linear(self.problem, self.solution.weights, here.at)
@@ -123,7 +155,8 @@ class NoiseAsMotion:
     def _noise_over_motion(self) -> float:
         """The square of both, where joints together move least beside their noise.
 
-        Of positions about their mean, or of rates, whichever is larger.
+        Of positions about their mean, or of rates, whichever is larger. The noise is
+        that where intervals meet, with all that they have in common known.
         """
         problem, solution = self.problem, self.solution
         joints = problem.loose.corrected.astype(int)
@@ -131,8 +164,10 @@ class NoiseAsMotion:
             return 0.0
         history, t = problem.acting.followed.intervals.history, problem.boundaries
         # Corrections come last: of all positions, then of all rates.
-        first = problem.recorded.local - 2 * joints.size
-        std = np.sqrt(np.diag(solution.covariance)[first : problem.recorded.local])
+        n = problem.recorded.local
+        first = n - 2 * joints.size
+        root = solve_triangular(solution.linear.factor[:n, :n], np.eye(n))
+        std = np.linalg.norm(root[first:], axis=1)
         own = solution.state.local[:, first:]
         q = history.at(history.q, history.q_slope, t)[:, joints]
         qd = history.at(history.qd, history.qdd, t)[:, joints]

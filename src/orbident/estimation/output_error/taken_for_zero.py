@@ -41,6 +41,11 @@ class TakenForZero:
     """Those of what may act that are considered beside all errors."""
 
     @cached_property
+    def noise(self) -> NoiseAsMotion:
+        """What noise of encoders shows of the solution."""
+        return NoiseAsMotion(self.problem, self.solution)
+
+    @cached_property
     def errors(self) -> tuple[Unknown, ...]:
         """The errors of instruments that the solution takes for zero."""
         selected = self.solution.state.selected
@@ -64,8 +69,7 @@ class TakenForZero:
         factor = shown.copy()
         self._with_noise_of_wheels(factor)
         prior = self.solution.prior.extended(np.full(places.size, np.inf))
-        noise = NoiseAsMotion(self.problem, self.solution)
-        factor = noise.without(prior.added(factor, state), shown, state)
+        factor = self.noise.without(prior.added(factor, state), shown, state)
         self.problem.acting.forget()
         return factor
 
