@@ -171,9 +171,6 @@ class Estimate(BesideParameters):
     converged: bool = True
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""
-    rise: float = 1.0
-    """Chi-square rises by so much where the total mass is held one deviation away from
-    its estimate and all other unknowns are fitted again: by one, if deviations hold."""
     signals: Signals = ()
     """What sensors showed and what was predicted, where sensors are what is fitted."""
     solution: Solution | None = None

@@ -21,7 +21,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
 from orbident.environment.agents import AGENTS, FREE, NOISE, STEADY, WALKS
-from orbident.estimation.levels import ChiSquare, limit
+from orbident.estimation.levels import TIMES_CAD, ChiSquare, limit
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import inertia_of_walks
 from orbident.estimation.output_error.walking_rates import (
@@ -186,6 +186,20 @@ def acts_backwards(problem: Problem, solution: Solution, family: str) -> bool:
     chosen = selected_of(problem, solution.state, family)
     positive = np.array([each.positive for each in chosen], dtype=bool)
     return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())
+
+
+NO_ROBOT = 10.0
+"""Deviations by which a mass is beyond what it may be: what acts drew it below zero by
+three, of a robot on a table with a hose."""
+
+
+def of_no_robot(M: float, std: float, nominal: float) -> bool:
+    """Whether the mass is far from any that CAD may have, kg.
+
+    What acts makes no mass so: a sign does, and a torque that stands for the wheels'.
+    """
+    sure = NO_ROBOT * std
+    return bool(M + sure < nominal / TIMES_CAD or M - sure > nominal * TIMES_CAD)
 
 
 def selected_of(problem: Problem, state: Unknowns, *families: str) -> list[Unknown]:

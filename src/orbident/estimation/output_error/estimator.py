@@ -270,7 +270,6 @@ def _estimate(
         sources=sources,
         converged=found.solution.converged,
         settled=found.settled,
-        rise=found.rise,
         convergence=found.convergence,
         signals=sensor_signals(robot, equations, sensors, found),
         solution=fit.expected.solution,

@@ -26,11 +26,11 @@ from orbident.estimation.levels import ChiSquare, integrated_out, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
     acts_backwards,
+    of_no_robot,
     size_of,
     surprise_of,
 )
 from orbident.estimation.output_error.joint_laws import ENOUGH
-from orbident.estimation.output_error.mass_profile import at_its_least, of_no_robot
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
@@ -161,23 +161,17 @@ class Search:
         )
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
-        """Go on from a first solution, with the noise that the residuals show.
-
-        Where the cost is less with another mass, the search goes on from there.
-        """
+        """Go on from a first solution, with the noise that the residuals show."""
         problem = self.problem
-        settle = partial(
-            fitted,
+        found = fitted(
             problem,
+            first,
             least=self.least,
             declared=self.declared,
             progress=self.progress,
             steps=self.steps,
             hasty=self.hasty,
         )
-        found = settle(first)
-        if not self.hasty:
-            found = at_its_least(problem, found, settle, self.progress, self.steps)
         every = (*problem.declared, *problem.expected)
         names = tuple(each.name for each in every)
         return found._replace(solution=found.solution._replace(names=names))

@@ -139,9 +139,6 @@ class Fitted(NamedTuple):
     """The cost with the noise that was assumed."""
     convergence: Convergence
     """The steps of all rounds."""
-    rise: float = 1.0
-    """The cost rises by so much where the mass is held one deviation away from its
-    estimate: by one, if the deviation holds."""
 
     @property
     def settled(self) -> bool:

@@ -9,6 +9,7 @@ from small_problems import small_problem, small_recording, small_robot
 from orbident.environment.agents import FREE
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
+    of_no_robot,
     size_of,
     surprise_of,
     widened_by,
@@ -159,3 +160,10 @@ def test_what_may_be_anything_and_what_is_unexpected_is_listed(made_up: MadeUp):
     solution = made_up.drawn(np.random.default_rng(6), made_up.std)
     found = identified(made_up.problem, solution, {}, ())
     assert "slow_torque" in {fit.group for fit in found.values()}
+
+
+@pytest.mark.parametrize("times", [-0.2, 0.03, 0.5, 1.0, 2.0, 4.0])
+def test_a_mass_that_no_cad_explains_is_of_no_robot(times: float):
+    """Only if it is ten deviations beyond a third of, or three times, the CAD mass."""
+    assert of_no_robot(times, 1e-3, 1.0) == (not 1 / 3 < times < 3)
+    assert not of_no_robot(times, 1.0, 1.0)
