@@ -84,8 +84,7 @@ def test_a_search_ends_where_that_from_the_true_robot_does(n: int):
 
 @pytest.mark.slow
 def test_what_noise_shows_of_the_mass_is_not_known():
-    """With noise taken for a motion it seems known to 13 %, and other parameters are 4.4
-    deviations off."""
+    """With noise taken for a motion it seemed known to 13 %; others were 4.4 off."""
     window = seconds_of(128)
     result = window.identified(window.cad)
     assert result.status == "rejected"
