@@ -38,7 +38,7 @@ from orbident.estimation.output_error.recorded_thrust import (
     RecordedThrust,
     ThrustErrors,
 )
-from orbident.estimation.output_error.shooting import Intervals, with_middles
+from orbident.estimation.output_error.shooting import Intervals
 from orbident.estimation.solution import NOTHING_SELECTED, Unknowns
 from orbident.estimation.unknowns import Unknown
 from orbident.model.kinematics import first_moments
@@ -70,7 +70,10 @@ class Followed:
     @cached_property
     def t(self) -> Float[np.ndarray, " nodes"]:
         """Times of the nodes, s."""
-        return with_middles(self.intervals.t)
+        t = self.intervals.t
+        nodes = np.empty(2 * t.size - 1)
+        nodes[::2], nodes[1::2] = t, (t[:-1] + t[1:]) / 2
+        return nodes
 
     @cached_property
     def thrust(self) -> RecordedThrust:

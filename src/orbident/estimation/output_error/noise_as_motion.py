@@ -15,6 +15,7 @@ Where joints move far more than encoders are noisy, `N` is nothing. Where one ha
 moves, `N` is nearly all, and what only that joint shows is hardly known.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -32,12 +33,16 @@ SLIGHT = 1e-2
 themselves. It is asked for only where the noise of a path, squared, is no smaller part
 of the motion."""
 
-LEAST = 1e-2
-"""Part of the information that is left, at least: of what noise alone shows deviations
-are a hundred times as large, which says that it is not known."""
+MOST = 0.7
+"""Part of the information beyond which noise shows it all: `N` is that of one path, and
+what is left, less than a third, may be by chance."""
 
-SEED = 0
-"""Of the draw of `e'`: all intervals are drawn, so that one draw is enough."""
+LEAST = 1e-2
+"""What is left then: deviations a hundred times as large, which say that nothing is
+known."""
+
+DRAWS = 8
+"""Of `e'`: with one, deviations changed by factors of ten from draw to draw."""
 
 
 class _Shares(NamedTuple):
@@ -55,7 +60,8 @@ class _Shares(NamedTuple):
         Args:
             power: of the part of the information that is left.
         """
-        part = np.clip(1 - self.shares, LEAST, 1.0) ** power
+        part = np.where(self.shares < MOST, 1 - self.shares, LEAST)
+        part = np.minimum(part, 1.0) ** power
         n = self.rows.shape[1]
         rows = (self.axes * part) @ self.axes.T @ self.rows
         return triangular_factor(np.vstack([rows, np.zeros((n, n))]))
@@ -118,39 +124,45 @@ class NoiseAsMotion:
         shown: Float[np.ndarray, "n n"],
         at: Unknowns,
     ) -> _Shares:
-        weights, still = self.solution.weights, np.zeros(at.common.size)
-        # To either side: what is linear in `e'` is zero on average.
-        sides = [
-            common_factor(self.problem, weights, at.moved(side * self._error, still))
-            for side in (1.0, -1.0)
-        ]
         size = np.linalg.norm(whole[:, :-1], axis=0)
         size = np.where(size > 0, size, 1.0)
         U, s, Vt = np.linalg.svd(whole[:-1, :-1] / size)
         seen = s > RANK * s.max()
         inverse = Vt[seen].T / s[seen] / size[:, None]
-        here, *moved = (
-            information.T @ information
-            for information in (part[:, :-1] @ inverse for part in (shown, *sides))
-        )
-        shares, axes = np.linalg.eigh((moved[0] + moved[1]) / 2 - here)
+
+        def information(factor: Float[np.ndarray, "n n"]) -> np.ndarray:
+            root = factor[:, :-1] @ inverse
+            return root.T @ root
+
+        N = np.mean([information(each) for each in self._moved(at)], axis=0)
+        shares, axes = np.linalg.eigh(N - information(shown))
         return _Shares(U[:, seen].T @ whole[:-1], axes, shares)
 
+    def _moved(self, at: Unknowns) -> Iterator[Float[np.ndarray, "n n"]]:
+        """What samples show of common unknowns where paths are moved by errors."""
+        weights, still = self.solution.weights, np.zeros(at.common.size)
+        for e in self._errors:
+            # To either side: what is linear in `e'` is zero on average.
+            for moved in (e, -e):
+                yield common_factor(self.problem, weights, at.moved(moved, still))
+
     @cached_property
-    def _error(self) -> Float[np.ndarray, "boundaries local"]:
-        """`e'` of all that belongs to boundaries.
+    def _errors(self) -> list[Float[np.ndarray, "boundaries local"]]:
+        """Draws of `e'`, of all that belongs to boundaries.
 
         Equations `A z = b + n` have the errors `A^-1 n`, with `n` of unit variances.
         """
         here = self.solution.linear
         if here.given_up:
             here = linear(self.problem, self.solution.weights, here.at)
-        random = np.random.default_rng(SEED)
-        links, factor, n = here.links.copy(), here.factor.copy(), here.local
-        links[:, :, -1] = random.standard_normal(links.shape[:2])
-        factor[:n, -1] = random.standard_normal(n)
-        drawn = here._replace(links=links, factor=factor)
-        return drawn.step(np.zeros(here.at.common.size))
+        random, n = np.random.default_rng(0), here.local
+        still, errors = np.zeros(here.at.common.size), []
+        for _ in range(DRAWS):
+            links, factor = here.links.copy(), here.factor.copy()
+            links[:, :, -1] = random.standard_normal(links.shape[:2])
+            factor[:n, -1] = random.standard_normal(n)
+            errors.append(here._replace(links=links, factor=factor).step(still))
+        return errors
 
     def _noise_over_motion(self) -> float:
         """The square of both, where joints together move least beside their noise.

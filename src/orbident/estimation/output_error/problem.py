@@ -247,7 +247,8 @@ def problem_of(
     """
     longest = longest_interval(robot, unexplained)
     followed = like and like.acting.followed
-    intervals = intervals_of(samples, sensors, longest, followed and followed.intervals)
+    like_these = followed and followed.intervals
+    intervals = intervals_of(robot, samples, sensors, longest, like_these)
     walks = walks_of_rates(robot, sensors, samples)
     lasting = lasting_noise(robot, sensors, walks)
     loose = looseness(robot, samples, sensors, lasting, turning)

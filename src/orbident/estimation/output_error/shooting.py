@@ -30,6 +30,16 @@ from orbident.robot.sensor_schema import AccelerometerSpec, GyroSpec
 SHORT, LONG = 4, 128
 """Samples of the joints in an interval, and at least so many rows."""
 
+PASSED_ON = 5.0
+"""Times its own noise that a sensor of the base may show of that of smoothed encoders.
+Of it corrections leave a tenth, as cubics do through points half a period apart."""
+
+RIGID = ("attitude", "gyro", "position", "velocity")
+"""Sensors that show how the base turns and moves, angles and lengths before rates."""
+
+HALVED = 2.0**4
+"""Times less is left by intervals half as long: so it is by cubics."""
+
 OF_A_RADIAN = 0.75
 """An interval lasts so much of a radian of the joints' motion: cubics follow that."""
 
@@ -122,6 +132,7 @@ class Intervals(NamedTuple):
 
 
 def intervals_of(
+    robot: Robot,
     samples: Samples,
     sensors: Sensors,
     longest: float = np.inf,
@@ -130,6 +141,7 @@ def intervals_of(
     """Cut a recording into intervals that cubics follow.
 
     Args:
+        robot: its nominal inertia says what noise of encoders does to the base.
         samples: histories of joints and wheels.
         sensors: with the times that count.
         longest: no interval is longer, s.
@@ -144,7 +156,8 @@ def intervals_of(
     if like and np.array_equal(t, like.t):
         return Intervals(samples, kept, t, like.edges, history)
     a_sample = t.size / _samples_of_joints(sensors, kept)
-    rows = _rows_of_an_interval(history, samples.shares, t, a_sample)
+    halvings = _halvings(robot, samples, sensors)
+    rows = _rows_of_an_interval(history, samples.shares, t, a_sample, halvings)
     if samples.unknown_thrust:
         rows = min(rows, _rows_of_a_turn(samples))
     edges = _edges(t.size, rows)
@@ -171,13 +184,6 @@ def _history(samples: Samples) -> JointHistory:
         tuple(CubicSpline(t, x)(t, nu=1) for x in each) for each in (q, qd, qd_rw)
     )
     return JointHistory(t, q, by_q, qd, by_qd, qd_rw, by_qd_rw)
-
-
-def with_middles(t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " nodes"]:
-    """The times, and those half-way from each to the next."""
-    nodes = np.empty(2 * t.size - 1)
-    nodes[::2], nodes[1::2] = t, (t[:-1] + t[1:]) / 2
-    return nodes
 
 
 def _edges(samples: int, rows: int) -> Int[np.ndarray, " edges"]:
@@ -207,13 +213,15 @@ def _rows_of_an_interval(
     shares: tuple[float, ...],
     t: Float[np.ndarray, " rows"],
     a_sample: float,
+    halvings: int,
 ) -> int:
     """A power of two: intervals at both ends are halved again and again.
 
     The variance of a smoothed sample over that of the noise is the number of unknowns
     that a sample determines. An interval has two unknowns of a joint, twice as many as
     that: what moves is rougher at times. From one sample of the joints to the next
-    there are `a_sample` rows.
+    there are `a_sample` rows. Where that leaves too much it is halved, as long as there
+    are twice as many samples as unknowns.
     """
     splines = [
         CubicHermiteSpline(history.t, x, slope)
@@ -230,9 +238,32 @@ def _rows_of_an_interval(
     smoothed = np.nanmax(np.array(shares)[moving], initial=1 / LONG)
     rows = min(
         OF_A_RADIAN * radian / float(np.median(np.diff(t))),
-        a_sample * max(1 / smoothed, SHORT),
+        a_sample * max(1 / smoothed / 2**halvings, SHORT),
     )
     return int(2 ** np.round(np.log2(max(rows, SHORT))))
+
+
+def _halvings(robot: Robot, samples: Samples, sensors: Sensors) -> int:
+    """How often an interval is halved, so that the base hardly shows encoders' noise.
+
+    A smoothed position is off by `e`, up to half the frequency of its unknowns. That
+    turns the base by `D^-1 D_q e` (Eq. 3), and S beside the CM moves by `J_cm e`.
+    """
+    encoders = sensors.by_name.get("joints")
+    if encoders is None:
+        return 0
+    share = np.nan_to_num(np.array(samples.shares))
+    e = encoders.std * np.sqrt(share)
+    w = float(np.pi * share.max(initial=0.0) / np.median(np.diff(samples.t)))
+    q = np.array([np.nanmean(x) if x.size else 0.0 for x in samples.q])
+    at, (turning, moving) = inertia_at(robot, q), map(list, conserved_axes(robot))
+    turns = np.linalg.solve(at.D[np.ix_(turning, turning)], at.D_q[turning])
+    turned = float(np.max(np.linalg.norm(turns, axis=0) * e, initial=0.0))
+    moved = float(np.max(np.linalg.norm(at.J_cm[moving], axis=0) * e, initial=0.0))
+    shown = zip(RIGID, (turned, turned * w, moved, moved * w), strict=True)
+    sized = [size / sensors.by_name[x].std for x, size in shown if x in sensors.by_name]
+    most = max(sized, default=0.0) / PASSED_ON
+    return int(np.ceil(np.log(max(most, 1.0)) / np.log(HALVED)))
 
 
 def _rows_of_a_turn(samples: Samples) -> int:

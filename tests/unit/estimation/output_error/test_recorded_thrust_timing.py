@@ -10,7 +10,6 @@ from orbident.estimation.output_error.recorded_thrust import (
     RecordedThrust,
     ThrustErrors,
 )
-from orbident.estimation.output_error.shooting import with_middles
 from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.robot_file import load_robot
 
@@ -21,7 +20,7 @@ T = 0.1 * np.arange(41)
 @pytest.fixture(scope="module")
 def thrust() -> RecordedThrust:
     """Three thrusters that are switched at random, on a base that does not turn."""
-    random, nodes = np.random.default_rng(3), with_middles(T)
+    random, nodes = np.random.default_rng(3), np.union1d(T, (T[:-1] + T[1:]) / 2)
     zero = np.zeros((nodes.size, 3))
     robot = load_robot("cepheus-like")
     joints = np.zeros((nodes.size, len(robot.joints)))

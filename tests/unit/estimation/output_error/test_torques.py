@@ -49,7 +49,7 @@ class Case:
         self.samples: Samples = samples_of(robot, recording)
         late = dict.fromkeys(SENSORS, 0.0)
         self.sensors: Sensors = sensors_of(robot, recording, late)
-        self.intervals: Intervals = intervals_of(self.samples, self.sensors)
+        self.intervals: Intervals = intervals_of(robot, self.samples, self.sensors)
 
     def means(self) -> MeanTorques:
         return mean_torques(self.robot, self.samples, self.sensors, self.intervals)
