@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 303,
-    "lines": 65_302,
-    "files of estimation": 51,
-    "lines of estimation": 12_633,
+    "files": 302,
+    "lines": 65_262,
+    "files of estimation": 50,
+    "lines of estimation": 12_585,
     "files with one user": 65,
     "imports below each other": 30,
     "numbers without a reason": 38,
