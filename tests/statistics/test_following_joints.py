@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from clean_recordings import RATE, SENSORS
+from interval_statistics import assert_intervals_hold
 from random_motions import random_motion
 from random_robots import random_parents, random_robot, random_wheels
 
 import orbident as oi
-from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Coupling, Robot
 from orbident.robot.sensor_schema import declared_sensors
@@ -30,9 +30,6 @@ TURNS = 3.0
 
 LIGHT = 0.2
 """Over its factor: how heavy what turns fast is, beside what does not."""
-
-SURE, MOST = 1.96, 5.0
-"""Deviations of a 95 % interval, and more than the worst of some thousand numbers."""
 
 
 def drawn(seed: int) -> tuple[Robot, Recording]:
@@ -73,22 +70,4 @@ def drawn(seed: int) -> tuple[Robot, Recording]:
 
 @pytest.mark.long
 def test_intervals_hold_where_joints_follow_others():
-    every, refused = [], 0
-    for seed in range(RUNS):
-        robot, recording = drawn(seed)
-        result = oi.identify(robot, recording)
-        if result.status != "ok":
-            refused += 1
-            print(seed, robot.couplings, result.refusal(), flush=True)
-            continue
-        off = result.base.values - minimal_sets(robot).beta(robot.theta)
-        every.append(np.abs(off / result.base.std))
-        print(seed, robot.couplings, f"{np.nanmax(every[-1]):.1f}", flush=True)
-    found = np.concatenate(every)
-    found = found[np.isfinite(found)]
-    inside = np.mean(found < SURE)
-    print(f"{RUNS - refused} of {RUNS} accepted, {inside:.1%} of {found.size} inside,")
-    print(f"worst {found.max():.1f}")
-    assert refused <= RUNS / 20
-    assert inside > 0.92
-    assert found.max() < MOST
+    assert_intervals_hold(map(drawn, range(RUNS)), refused=0.05)

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from clean_recordings import RATE, SENSORS
+from interval_statistics import assert_intervals_hold
 from random_motions import random_motion
 from random_robots import random_parents, random_robot, random_wheels
 
 import orbident as oi
-from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
@@ -24,9 +24,6 @@ RUNS = int(os.environ.get("ORBIDENT_RUNS", "20"))
 
 NOISE = 1e-3
 """rad, of encoders: forty times that of the paper's."""
-
-SURE, MOST = 1.96, 5.0
-"""Deviations of a 95 % interval, and more than the worst of some thousand numbers."""
 
 
 def drawn(seed: int, times: float) -> tuple[Robot, Recording]:
@@ -54,22 +51,5 @@ def drawn(seed: int, times: float) -> tuple[Robot, Recording]:
 @pytest.mark.long
 @pytest.mark.parametrize("times", [0.3, 1.0, 3.0, 10.0])
 def test_intervals_hold(times: float):
-    every, refused = [], 0
-    for seed in range(RUNS):
-        robot, recording = drawn(seed, times)
-        result = oi.identify(robot, recording)
-        if result.status != "ok":
-            refused += 1
-            print(seed, result.refusal(), flush=True)
-            continue
-        off = result.base.values - minimal_sets(robot).beta(robot.theta)
-        every.append(np.abs(off / result.base.std))
-        print(seed, f"{np.nanmax(every[-1]):.1f}", flush=True)
-    found = np.concatenate(every)
-    found = found[np.isfinite(found)]
-    inside = np.mean(found < SURE)
-    print(f"{RUNS - refused} of {RUNS} accepted, {inside:.1%} of {found.size} inside,")
-    print(f"worst {found.max():.1f}")
-    assert refused <= RUNS / 10
-    assert inside > 0.91
-    assert found.max() < MOST
+    flights = (drawn(seed, times) for seed in range(RUNS))
+    assert_intervals_hold(flights, refused=0.1)

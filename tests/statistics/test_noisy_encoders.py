@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from clean_recordings import RATE, SENSORS
+from interval_statistics import assert_intervals_hold
 from random_motions import random_motion
 from random_robots import random_parents, random_planar_robot, random_wheels
 
 import orbident as oi
-from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
@@ -24,9 +24,6 @@ RUNS = int(os.environ.get("ORBIDENT_RUNS", "20"))
 
 HEAVY = 10.0
 """Times as heavy as drawn is the base, so that it turns less than the arm."""
-
-SURE, MOST = 1.96, 5.0
-"""Deviations of a 95 % interval, and more than the worst of some thousand numbers."""
 
 
 def drawn(seed: int, noise: float) -> tuple[Robot, Recording]:
@@ -53,22 +50,5 @@ def drawn(seed: int, noise: float) -> tuple[Robot, Recording]:
 @pytest.mark.long
 @pytest.mark.parametrize("noise", [2.5e-5, 1e-3, 5e-3])
 def test_intervals_hold(noise: float):
-    every, refused = [], 0
-    for seed in range(RUNS):
-        robot, recording = drawn(seed, noise)
-        result = oi.identify(robot, recording, initial_momentum="at-rest")
-        if result.status != "ok":
-            refused += 1
-            print(seed, result.refusal(), flush=True)
-            continue
-        off = result.base.values - minimal_sets(robot).beta(robot.theta)
-        every.append(np.abs(off / result.base.std))
-        print(seed, f"{np.nanmax(every[-1]):.1f}", flush=True)
-    found = np.concatenate(every)
-    found = found[np.isfinite(found)]
-    inside = np.mean(found < SURE)
-    print(f"{RUNS - refused} of {RUNS} accepted, {inside:.1%} of {found.size} inside,")
-    print(f"worst {found.max():.1f}")
-    assert refused <= RUNS / 10
-    assert inside > 0.91
-    assert found.max() < MOST
+    flights = (drawn(seed, noise) for seed in range(RUNS))
+    assert_intervals_hold(flights, refused=0.1, initial_momentum="at-rest")
