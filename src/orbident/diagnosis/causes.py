@@ -92,9 +92,10 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
         with given_up_at(end):
             found.extend(_causes(solved, end - (ANSWER - QUICK)))
     except OutOfTimeError:
-        # What needs no fit is asked in any case.
-        ring = _ring(solved.problem, solved.shown) if not found else None
-        found = found or [ring or _nothing("", SEARCH_ON)]
+        if not found:
+            # Whether something rings needs no further fit.
+            ring = _ring(solved.problem, solved.shown)
+            found = [ring or _nothing("", SEARCH_ON)]
     return tuple(found)
 
 

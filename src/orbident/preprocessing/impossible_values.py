@@ -1,4 +1,4 @@
-"""Values that no robot shows: what of them is refused, and what is told.
+"""Recorded values that no real robot can have: some are refused, others only warned of.
 
 A sensor that is dead while joints move, joints beyond their ranges, and an attitude out
 of the plane of a planar robot.

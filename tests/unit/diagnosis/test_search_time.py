@@ -20,6 +20,10 @@ def problem() -> MomentumProblem:
     return problem_with({"gyro.x": lambda x: 1.05 * x})
 
 
+def too_long(*_: object) -> NoReturn:
+    raise OutOfTimeError
+
+
 def test_a_trial_is_given_up(problem: MomentumProblem):
     with given_up_at(process_time()), pytest.raises(OutOfTimeError):
         trial("", problem)
@@ -31,10 +35,6 @@ def test_an_answer_says_that_the_search_ended(
     problem: MomentumProblem, stage: str, monkeypatch: pytest.MonkeyPatch
 ):
     """Before all trials, and among them."""
-
-    def too_long(*_: object) -> NoReturn:
-        raise OutOfTimeError
-
     monkeypatch.setattr(module, stage, too_long)
     monkeypatch.setattr(module, "event", too_long)
     shown = fitted(problem)
@@ -48,10 +48,6 @@ def test_what_rings_is_named_when_the_time_is_over(
     problem: MomentumProblem, stage: str, monkeypatch: pytest.MonkeyPatch
 ):
     """It needs no fit."""
-
-    def too_long(*_: object) -> NoReturn:
-        raise OutOfTimeError
-
     monkeypatch.setattr(module, stage, too_long)
     monkeypatch.setattr(module, "ring_of", lambda *_: Ring(3.7, alike=True))
     shown = fitted(problem)

@@ -29,20 +29,19 @@ from orbident.estimation.solution import Solution, Unknowns
 from orbident.estimation.triangular import RANK, triangular_factor
 
 SLIGHT = 1e-2
-"""Part of the information that is nothing: deviations change by as small a part of
-themselves. It is asked for only where the noise of a path, squared, is no smaller part
-of the motion."""
+"""Part of the information that is nothing: deviations change by as little. Where a
+path's noise, squared, is a smaller part of its motion, nothing is drawn."""
 
 MOST = 0.7
 """Part of the information beyond which noise shows it all: `N` is that of one path, and
 what is left, less than a third, may be by chance."""
 
 LEAST = 1e-2
-"""What is left then: deviations a hundred times as large, which say that nothing is
-known."""
+"""What is left then: deviations are a hundred times as large."""
 
 DRAWS = 8
-"""Of `e'`: with one, deviations changed by factors of ten from draw to draw."""
+"""How many errors `e'` are drawn and averaged. With a single one, deviations changed by
+factors of ten from draw to draw."""
 
 
 class _Shares(NamedTuple):
@@ -62,9 +61,8 @@ class _Shares(NamedTuple):
         """
         part = np.where(self.shares < MOST, 1 - self.shares, LEAST)
         part = np.minimum(part, 1.0) ** power
-        n = self.rows.shape[1]
         rows = (self.axes * part) @ self.axes.T @ self.rows
-        return triangular_factor(np.vstack([rows, np.zeros((n, n))]))
+        return triangular_factor(np.vstack([rows, np.zeros(2 * rows.shape[1:])]))
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class NoiseAsMotion:
 
     problem: Problem
     solution: Solution
-    """Of these equations."""
+    """The fit of this problem."""
 
     @property
     def weakened(self) -> Solution:
@@ -111,7 +109,8 @@ class NoiseAsMotion:
     @cached_property
     def _own(self) -> _Shares | None:
         """That of the solution's own unknowns; None where it is nothing."""
-        if self._noise_over_motion() < SLIGHT:
+        # Where a search ended nowhere, errors of its path say nothing.
+        if not self.solution.converged or self._noise_over_motion() < SLIGHT:
             return None
         here = self.solution.linear
         whole = self.solution.prior.added(here.common, self.solution.state)
@@ -155,13 +154,13 @@ class NoiseAsMotion:
         here = self.solution.linear
         if here.given_up:
             here = linear(self.problem, self.solution.weights, here.at)
-        random, n = np.random.default_rng(0), here.local
-        still, errors = np.zeros(here.at.common.size), []
+        drawn = here._replace(links=here.links.copy(), factor=here.factor.copy())
+        random, still = np.random.default_rng(0), np.zeros(here.at.common.size)
+        errors = []
         for _ in range(DRAWS):
-            links, factor = here.links.copy(), here.factor.copy()
-            links[:, :, -1] = random.standard_normal(links.shape[:2])
-            factor[:n, -1] = random.standard_normal(n)
-            errors.append(here._replace(links=links, factor=factor).step(still))
+            for rows in (drawn.links, drawn.factor[: here.local]):
+                rows[..., -1] = random.standard_normal(rows.shape[:-1])
+            errors.append(drawn.step(still))
         return errors
 
     def _noise_over_motion(self) -> float:

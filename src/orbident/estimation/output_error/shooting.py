@@ -34,7 +34,7 @@ PASSED_ON = 5.0
 """Times its own noise that a sensor of the base may show of that of smoothed encoders.
 Of it corrections leave a tenth, as cubics do through points half a period apart."""
 
-RIGID = ("attitude", "gyro", "position", "velocity")
+OF_THE_BASE = ("attitude", "gyro", "position", "velocity")
 """Sensors that show how the base turns and moves, angles and lengths before rates."""
 
 HALVED = 2.0**4
@@ -260,7 +260,7 @@ def _halvings(robot: Robot, samples: Samples, sensors: Sensors) -> int:
     turns = np.linalg.solve(at.D[np.ix_(turning, turning)], at.D_q[turning])
     turned = float(np.max(np.linalg.norm(turns, axis=0) * e, initial=0.0))
     moved = float(np.max(np.linalg.norm(at.J_cm[moving], axis=0) * e, initial=0.0))
-    shown = zip(RIGID, (turned, turned * w, moved, moved * w), strict=True)
+    shown = zip(OF_THE_BASE, (turned, turned * w, moved, moved * w), strict=True)
     sized = [size / sensors.by_name[x].std for x, size in shown if x in sensors.by_name]
     most = max(sized, default=0.0) / PASSED_ON
     return int(np.ceil(np.log(max(most, 1.0)) / np.log(HALVED)))
