@@ -99,10 +99,41 @@ class TakenForZero:
         left = self.equations(names)
         return score(left[:, :-1], left[:, -1])
 
+    @cached_property
+    def alone(self) -> dict[str, Score]:
+        """What each error of an instrument would be with no other, by its name."""
+        names = [each.name for each in self.errors]
+        left = self.equations(names)
+        scores = [score(column[:, None], left[:, -1]) for column in left[:, :-1].T]
+        values = np.array([each.values[0] for each in scores])
+        by_what_acts = self._fall_of_what_acts(-self.shift(names), values)
+        return {
+            name: each._replace(fall=each.fall - float(fallen))
+            for name, each, fallen in zip(names, scores, by_what_acts, strict=True)
+        }
+
+    def _fall_of_what_acts(
+        self, by: Float[np.ndarray, "unknowns errors"], c: Float[np.ndarray, " errors"]
+    ) -> Float[np.ndarray, " errors"]:
+        """How much smaller what acts would be, in squared deviations, not below 0.
+
+        Args:
+            by: the change of all unknowns by each error, with the other sign.
+            c: the errors.
+        """
+        solution, acts = self.solution, len(self.problem.expected)
+        if not acts:
+            return np.zeros(c.size)
+        here = slice(solution.state.common.size - acts, None)
+        std = solution.prior.std[here, None]
+        before = solution.state.common[here, None] / std
+        after = before - by[here] * c / std
+        return np.maximum(np.sum(before**2 - after**2, axis=0), 0.0)
+
     def errors_beyond_chance(self) -> dict[str, float]:
         """By how much an instrument's error explains more than chance does, by name."""
         most = limit("disturbance", 1, max(len(self.errors), 1))
-        return {each.name: self.score([each.name]).fall - most for each in self.errors}
+        return {name: found.fall - most for name, found in self.alone.items()}
 
     def shift(self, names: Collection[str]) -> Float[np.ndarray, "unknowns n"]:
         """`B`: how all unknowns of the solution change by these, of size one."""
@@ -155,44 +186,14 @@ def sensitivity(zeros: TakenForZero) -> Sensitivity:
         zeros: of the solution.
     """
     names = [each.name for each in zeros.errors]
-    by, left = -zeros.shift(names), zeros.equations(names)
     size = zeros.solution.state.common.size
     root = solve_triangular(zeros.factor[:size, :size], np.eye(size))[zeros.beta]
     small = [SMALL_ERROR.get(each.unit, (each.unit, 1.0)) for each in zeros.errors]
-    alone = [score(column[:, None], left[:, -1]) for column in left[:, :-1].T]
-    by_what_acts = _fall_of_what_acts(
-        zeros, by, np.array([each.values[0] for each in alone])
-    )
     return Sensitivity(
         names=tuple(names),
         units=tuple(unit for unit, _ in small),
-        shift=by[zeros.beta] * np.array([one for _, one in small]),
+        shift=-zeros.shift(names)[zeros.beta] * np.array([one for _, one in small]),
         covariance=root @ root.T,
-        alone={
-            name: each._replace(fall=each.fall - float(fallen))
-            for name, each, fallen in zip(names, alone, by_what_acts, strict=True)
-        },
-        left=left,
+        alone=zeros.alone,
+        left=zeros.equations(names),
     )
-
-
-def _fall_of_what_acts(
-    zeros: TakenForZero,
-    by: Float[np.ndarray, "unknowns errors"],
-    values: Float[np.ndarray, " errors"],
-) -> Float[np.ndarray, " errors"]:
-    """How much smaller what acts would be, in squared deviations, not below 0.
-
-    Args:
-        zeros: of the solution.
-        by: the change of all unknowns by each error, with the other sign.
-        values: of the errors.
-    """
-    solution, acts = zeros.solution, len(zeros.problem.expected)
-    if not acts:
-        return np.zeros(values.size)
-    here = slice(solution.state.common.size - acts, None)
-    std = solution.prior.std[here, None]
-    before = solution.state.common[here, None] / std
-    after = before - by[here] * values / std
-    return np.maximum(np.sum(before**2 - after**2, axis=0), 0.0)
