@@ -22,6 +22,7 @@ from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.residual_checks import leaves_nothing
 from orbident.preprocessing.delays import EXPLAINED, LEAST, LONGEST, SURE, Delay
 
@@ -127,7 +128,8 @@ def _clock_of(
     start = punctual if near else far_clock(first.problem)
     if abs(start.late) > LONGEST:
         return start, first
-    plain = replace(fit, tested=False)
+    # It is a trial: of a fit that is bad on a clock it is not asked what else acts.
+    plain = replace(fit, tested=False, steps=min(fit.steps, FEW_STEPS))
 
     @lru_cache(1)
     def plainly(late: float) -> _Fit:
