@@ -36,6 +36,10 @@ POWERS = (2, 3, 4)
 EXTRA = "unknown"
 """Begins the names of wheels that stand for momentum which the robot file lacks."""
 
+LIGHT = 1e-9
+"""kg m^2: the inertia of these wheels. They turn so fast that the noise which the robot
+file declares for tachometers is nothing beside their speed."""
+
 
 def beside(problem: MomentumProblem) -> Iterator[Suspect]:
     """What is neither an instrument's error nor one of geometry."""
@@ -200,8 +204,12 @@ def _steady(h: Momentum) -> bool:
 def _wheel_axes(problem: MomentumProblem) -> Iterator[Suspect]:
     for wheel, h in zip(problem.robot.wheels, _momenta(problem), strict=True):
         across = across_of(wheel.axis)
-        # Across a wheel that turns evenly both are the same.
-        hidden = ", or a wheel spins that is not in the file" if _steady(h) else ""
+        # Across a wheel that turns evenly all of these are the same.
+        hidden = (
+            ", or a wheel spins that is not in the file, or speeds of others are off"
+            if _steady(h)
+            else ""
+        )
 
         def words(c: Numbers, name: str = wheel.name, hidden: str = hidden) -> str:
             angle = np.degrees(np.linalg.norm(c))
@@ -273,8 +281,8 @@ def _with_momentum(
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         robot, samples = problem.robot, problem.samples
         turning = list(conserved_axes(robot)[0])
-        speeds = tuple(np.ascontiguousarray(momentum(c)[:, turning].T))
-        wheels = [Wheel(f"{EXTRA}_{k}", np.eye(3)[k], 1.0) for k in turning]
+        speeds = tuple(np.ascontiguousarray(momentum(c)[:, turning].T) / LIGHT)
+        wheels = [Wheel(f"{EXTRA}_{k}", np.eye(3)[k], LIGHT) for k in turning]
         columns = {
             f"wheel.{wheel.name}.speed": speed
             for wheel, speed in zip(wheels, speeds, strict=True)

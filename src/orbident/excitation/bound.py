@@ -37,6 +37,7 @@ from orbident.gaussian import rms_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.base_motion import least_speed_noise
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.followers import Lead
 from orbident.preprocessing.histories import RateNoise
@@ -197,7 +198,8 @@ def _noise_of_speeds(
     wheels = robot.sensors.wheels
     if wheels is None or not wheels.tachometer or wheels.white_noise is not None:
         return ()
-    noise = RateNoise.read(wheels.tachometer, t, t.size)
+    shows = least_speed_noise(robot)
+    noise = RateNoise.read(wheels.tachometer, t, t.size, shows)
     # These speeds are as smooth as the smoothed ones of a recording.
     noise = noise._replace(white=0.0) if noise.density else noise
     return (noise,) * len(robot.wheels)

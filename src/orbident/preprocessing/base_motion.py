@@ -34,6 +34,10 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
 
+HIDDEN = 0.5
+"""Part of a gyro's noise that hides what noise of wheels' speeds turns the base by: it
+adds an eighth to the variance, of which smoothing could take some away."""
+
 
 def attitude_rates(
     t: Float[np.ndarray, " n"],
@@ -301,6 +305,15 @@ def declared_rate_noise(robot: Robot) -> float:
     wheels = robot.sensors.wheels
     noise = RateNoise(0.0, (wheels and wheels.tachometer) or 0.0)
     return rate_noise(robot, [noise] * len(robot.wheels))
+
+
+def least_speed_noise(robot: Robot) -> float:
+    """Density of the noise of wheels' speeds that the gyro shows, rad/s/sqrt(Hz)."""
+    gyro, wheels = robot.sensors.gyro, robot.sensors.wheels
+    if gyro is None or wheels is None or not wheels.tachometer:
+        return 0.0
+    turned = rate_noise(robot, [RateNoise(0.0, 1.0)] * len(robot.wheels))
+    return HIDDEN * gyro.white_noise / turned
 
 
 def rate_noise(robot: Robot, speeds: Sequence[RateNoise]) -> float:

@@ -44,19 +44,26 @@ class RateNoise(NamedTuple):
 
     density: float
     """Density of the waves that stand for it in a fit, rad/s/sqrt(Hz); zero where a
-    recording is too long for waves."""
+    recording is too long for waves, or the gyro's noise hides them."""
     white: float
     """Std of a sample that is used as it was read, rad/s; zero where speeds are
     smoothed."""
 
     @classmethod
     def read(
-        cls, std: float, t: Float[np.ndarray, " samples"], samples: int
+        cls, std: float, t: Float[np.ndarray, " samples"], samples: int, shows: float
     ) -> "RateNoise":
-        """Noise of this deviation, with so many samples at some of these times."""
-        duration = float(t[-1] - t[0])
-        density = std * np.sqrt(duration / samples) if waves_of_noise(t.size) else 0.0
-        return cls(float(density), std)
+        """Noise of a tachometer whose speeds are used as they are read.
+
+        Args:
+            std: of a sample, rad/s.
+            t: times of rows, s.
+            samples: how many of them have one.
+            shows: density from which on it shows in the base's rate, rad/s/sqrt(Hz).
+        """
+        density = float(std * np.sqrt((t[-1] - t[0]) / samples))
+        waves = waves_of_noise(t.size) and density >= shows
+        return cls(density if waves else 0.0, std)
 
 
 NO_NOISE = RateNoise(0.0, 0.0)
@@ -88,6 +95,7 @@ def histories(
     sensor: EncoderSpec | None,
     late: float,
     settings: Settings,
+    shows: float = 0.0,
 ) -> Histories:
     """Positions and rates at every row, gaps filled.
 
@@ -96,7 +104,8 @@ def histories(
     tachometer beside an encoder, the rate is the mean of what both say when smoothed.
     That of a tachometer alone is smoothed where the waves of its noise that a fit has
     among its unknowns hold all that smoothing leaves. A faster one is much larger than
-    its noise, and has corners, next to which smoothing would be far off.
+    its noise, and has corners, next to which smoothing would be far off. Noise that
+    hardly shows stays as it is.
 
     Args:
         recording: with a position or a rate of each of `names`.
@@ -106,6 +115,8 @@ def histories(
         sensor: the encoders, as the robot file has them.
         late: by how much the encoders' times are behind, s.
         settings: of the whole recording.
+        shows: density of a tachometer's noise from which on it shows in the base's
+            rate, rad/s/sqrt(Hz).
 
     Raises:
         InputError: a column has too few samples.
@@ -133,7 +144,7 @@ def histories(
                 q = [_at(recording, column, late) for column in q]
                 if tachometer and not q:
                     return _read_alone(
-                        recording, measured[name], tachometer, late, settings
+                        recording, measured[name], tachometer, late, settings, shows
                     )
                 qd = _at(recording, measured[name], late)
                 return _History(q, qd, np.nan, (0.0, 0.0), Origin.MEASURED)
@@ -173,11 +184,16 @@ class _History(NamedTuple):
 
 
 def _read_alone(
-    recording: Recording, name: str, std: float, late: float, settings: Settings
+    recording: Recording,
+    name: str,
+    std: float,
+    late: float,
+    settings: Settings,
+    shows: float,
 ) -> _History:
     """The rate by a tachometer with noise of this deviation, rad/s."""
     t, column = recording.t, recording.columns[name]
-    noise = RateNoise.read(std, t, int(np.isfinite(column).sum()))
+    noise = RateNoise.read(std, t, int(np.isfinite(column).sum()), shows)
     if noise.density and settings.whole:
         rate = _smoothed(recording, [name], std, late, settings, False)[name].x[:, 0]
         (fit,) = settings.smoothers(name, list)

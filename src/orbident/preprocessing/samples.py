@@ -8,7 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.preprocessing.base_motion import base_motion, point_velocity
+from orbident.preprocessing.base_motion import (
+    base_motion,
+    least_speed_noise,
+    point_velocity,
+)
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.followers import Lead, as_one_motion, one_motion
 from orbident.preprocessing.histories import (
@@ -233,6 +237,7 @@ def samples_of(
         robot.sensors.wheels,
         behind["wheels"],
         settings,
+        least_speed_noise(robot) if recording.has_vector("gyro") else 0.0,
     )
     base = base_motion(recording, robot.sensors, behind["attitude"], settings)
     point = point_velocity(recording, base.x_WB, behind, settings)

@@ -5,7 +5,8 @@ import pytest
 from clean_recordings import clean_space
 
 import orbident as oi
-from orbident.preprocessing.histories import Histories, histories
+from orbident.preprocessing.base_motion import least_speed_noise, rate_noise
+from orbident.preprocessing.histories import Histories, RateNoise, histories
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.screening import screened
 from orbident.preprocessing.smoothing import Settings
@@ -59,11 +60,13 @@ T = np.arange(601) / 20
 """s."""
 
 
-def of_wheel(speed: np.ndarray, std: float) -> Histories:
+def of_wheel(speed: np.ndarray, std: float, shows: float = 0.0) -> Histories:
     """What is made of a speed that a tachometer of this noise alone shows."""
     recording = oi.Recording(T, {"wheel.rw.speed": speed})
     sensor = EncoderSpec(tachometer=std)
-    return histories(recording, "wheel", ["rw"], "speed", sensor, 0.0, Settings())
+    return histories(
+        recording, "wheel", ["rw"], "speed", sensor, 0.0, Settings(), shows
+    )
 
 
 def test_a_speed_that_changes_slowly_is_smoothed():
@@ -87,6 +90,19 @@ def test_a_speed_with_corners_is_used_as_it_was_read():
     assert found.origin is Origin.MEASURED
     np.testing.assert_array_equal(found.rates[0], read)
     assert found.noise[0].white == 0.003
+
+
+def test_noise_that_the_gyro_hides_is_no_unknown(by_wheels):
+    """What turns the base by half the gyro's noise is a part of that noise."""
+    read = 100 + 0.1 * np.random.default_rng(1).standard_normal(T.size)
+    found = of_wheel(read, 0.1, shows=0.03)
+    assert found.origin is Origin.MEASURED
+    assert found.noise[0] == RateNoise(0.0, 0.1)
+    robot = by_wheels.robot
+    loud = WHEELS * np.median(np.diff(by_wheels.recording.t)) ** 0.5
+    assert least_speed_noise(robot) < loud
+    noise = [RateNoise(0.0, least_speed_noise(robot))] * len(robot.wheels)
+    assert rate_noise(robot, noise) == pytest.approx(robot.sensors.gyro.white_noise / 2)
 
 
 @pytest.mark.parametrize("zero", [0.0, 157.3])
