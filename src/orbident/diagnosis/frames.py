@@ -192,7 +192,9 @@ def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
             )
 
         lost = np.outer(_elapsed(problem), mean)
-        yield _with_momentum(words, np.array([SMALL]), lambda c, lost=lost: c[0] * lost)
+        # None loses more than it has.
+        small, most = np.array([SMALL]), 1.0
+        yield _with_momentum(words, small, lambda c, lost=lost: c[0] * lost, most)
 
 
 def _steady(h: Momentum) -> bool:
@@ -202,14 +204,15 @@ def _steady(h: Momentum) -> bool:
 
 
 def _wheel_axes(problem: MomentumProblem) -> Iterator[Suspect]:
+    names, recording = problem.robot.wheel_names, problem.recording
+    read = not any(recording.has(f"wheel.{name}.position") for name in names)
+    # Across a wheel that turns evenly all of these are the same.
+    alike = ", or a wheel spins that is not in the file" + (
+        ", or tachometers are off" if read else ""
+    )
     for wheel, h in zip(problem.robot.wheels, _momenta(problem), strict=True):
         across = across_of(wheel.axis)
-        # Across a wheel that turns evenly all of these are the same.
-        hidden = (
-            ", or a wheel spins that is not in the file, or speeds of others are off"
-            if _steady(h)
-            else ""
-        )
+        hidden = alike if _steady(h) else ""
 
         def words(c: Numbers, name: str = wheel.name, hidden: str = hidden) -> str:
             angle = np.degrees(np.linalg.norm(c))
@@ -275,6 +278,7 @@ def _with_momentum(
     words: Callable[[Numbers], str],
     small: Numbers,
     momentum: Callable[[Numbers], Momentum],
+    most: float = np.inf,
 ) -> Suspect:
     """A momentum in base axes that the robot file or the wheels' speeds lack."""
 
@@ -298,7 +302,7 @@ def _with_momentum(
             recording=problem.recording.with_columns(columns),
         )
 
-    return Suspect(words, small, corrected)
+    return Suspect(words, small, corrected, most)
 
 
 def _elapsed(problem: MomentumProblem) -> Float[np.ndarray, " n"]:
