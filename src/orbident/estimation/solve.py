@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.clock_search import MOST, Evidence, evidence
+from orbident.estimation.clock_search import MOST, Evidence, evidence, misfit
 from orbident.estimation.estimate import Change, Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.levels import ChiSquare, Rule, chi_square, limit
@@ -48,9 +48,6 @@ some of a change before it sees the rest."""
 ANOTHER_ROBOT: Rule = "other parameters"
 """Which test says that two parts are not of one robot."""
 
-NOT_APART = ChiSquare(0.0, 0)
-"""Where nothing fits after a time, nothing can be said to differ."""
-
 
 def differing(one: Estimate, other: Estimate) -> ChiSquare:
     """How far two estimates of the base parameters are apart, as a chi-square."""
@@ -59,6 +56,30 @@ def differing(one: Estimate, other: Estimate) -> ChiSquare:
     # With their correlations: all may share a doubt about the scale.
     C = (a.covariance + b.covariance)[np.ix_(both, both)]
     return chi_square((a.values - b.values)[both], C)
+
+
+def _apart(before: Evidence, after: Evidence) -> ChiSquare:
+    """How far two parts are from being of one robot, as a chi-square.
+
+    The least cost of a short part may lie in a curved valley: its deviations hold what
+    is near, and not the robot that explains it nearly as well. So the later part is
+    fitted again beside what the earlier one says, and costs more by so much.
+    """
+    assert before.shown is not None
+    assert before.shown.shared is not None
+    assert after.shown is not None
+    numbers = differing(before.shown, after.shown)
+    if not numbers.is_no_chance(ANOTHER_ROBOT):
+        return numbers
+    said = before.shown.shared()
+    fit = OutputError(steps=FEW_STEPS, tested=False, others=said)
+    both = fit.estimate(after.problem, lambda _: None)
+    if not both.converged:
+        return numbers
+    equations = said.over(())
+    off = equations[:, :-1] @ both.parameters.base.values - equations[:, -1]
+    more = misfit(both) - misfit(after.shown) + float(off @ off)
+    return numbers._replace(value=min(numbers.value, max(more, 0.0)))
 
 
 def since_the_last_change(
@@ -78,7 +99,7 @@ def since_the_last_change(
     between, t = cache(partial(_between, problem)), problem.recording.t
     while not between(begin, np.inf):
         progress(float(np.mean(t < begin)))
-        change = _next_change(between, t, begin, suspected)
+        change = _next_change(between, _apart, t, begin, suspected)
         if change is None:
             break
         confirmed.append(change)
@@ -88,7 +109,8 @@ def since_the_last_change(
 
 
 def _next_change(
-    between: Callable[[float, float], Estimate | None],
+    between: Callable[[float, float], Evidence | None],
+    apart: Callable[[Evidence, Evidence], ChiSquare],
     t: Float[np.ndarray, " rows"],
     begin: float,
     suspected: Sequence[Change],
@@ -101,6 +123,7 @@ def _next_change(
 
     Args:
         between: what fits the part between two times, s.
+        apart: how far two parts are from being of one robot.
         t: of all samples, s.
         begin: of the part, s.
         suspected: by a filter, in their order.
@@ -118,39 +141,46 @@ def _next_change(
         if before:
             low, known = tried.t, before
             # A later alarm may be none: the whole rest tells most where it fits.
-            after = between(low, np.inf) or _alike(between(low, end), before)
-            apart = differing(before, after) if after else NOT_APART
-            if apart.is_no_chance(ANOTHER_ROBOT):
-                over = apart.value / limit(ANOTHER_ROBOT, apart.dof)
-                return Change(low, tried.onset, over, 1 - apart.p)
+            after = between(low, np.inf)
+            # Up to the next alarm there may be some of another robot. Where that of
+            # before goes on for half of it, it is no other one from here on.
+            if not after and not between(begin, (low + end) / 2):
+                after = _alike(between(low, end), before)
+            off = apart(before, after) if after else ChiSquare(0.0, 0)
+            if off.is_no_chance(ANOTHER_ROBOT):
+                over = off.value / limit(ANOTHER_ROBOT, off.dof)
+                return Change(low, tried.onset, over, 1 - off.p)
         elif low > begin:
             high = tried.t
     return None
 
 
-def _alike(part: Estimate | None, known: Estimate | None) -> Estimate | None:
-    """The fit of a part, or None where more acts in it than in a part known before.
+def _alike(part: Evidence | None, known: Evidence | None) -> Evidence | None:
+    """What fits a part, or None where more acts in it than in a part known before.
 
     A change of the robot shortly before a part ends may look like a torque or a force.
     """
-    more = part and known and part.acting - known.acting
-    return None if more else part
+    if part is None or known is None:
+        return part
+    assert part.shown is not None
+    assert known.shown is not None
+    return None if part.shown.acting - known.shown.acting else part
 
 
-def _between(problem: MomentumProblem, begin: float, end: float) -> Estimate | None:
+def _between(problem: MomentumProblem, begin: float, end: float) -> Evidence | None:
     """What fits the part between two times, s; None where nothing does soon."""
     t = problem.recording.t
     if np.count_nonzero((t >= begin) & (t <= end)) < FEWEST:
         return None
     try:
         part = _cut(problem, begin, end)
-        shown = evidence(part, OutputError(steps=FEW_STEPS), lambda _: None).shown
+        found = evidence(part, OutputError(steps=FEW_STEPS), lambda _: None)
     except InputError:
         return None
-    if shown is None or not shown.converged:
+    if found.shown is None or not found.shown.converged:
         return None
-    checks = residual_checks(part, shown)
-    return shown if all(each.level != "do not trust" for each in checks) else None
+    checks = residual_checks(part, found.shown)
+    return found if all(each.level != "do not trust" for each in checks) else None
 
 
 def _cut(problem: MomentumProblem, begin: float, end: float) -> MomentumProblem:
