@@ -120,9 +120,11 @@ class MomentumProblem:
 
         Smoothing leaves all of it in what is as slow as arms, which parameters explain.
         """
-        density = np.array([each.density for each in self.samples.speeds] or 0.0)
-        h_rw = np.linalg.norm(wheels_of(self.robot).A_rw * density, 2)
-        return float(h_rw / np.sqrt(np.diff(self.samples.t).mean()))
+        dt = float(np.diff(self.samples.t).mean())
+        std = [x.white or x.density / np.sqrt(dt) for x in self.samples.speeds]
+        return float(
+            np.linalg.norm(wheels_of(self.robot).A_rw * np.array(std or 0.0), 2)
+        )
 
     @cached_property
     def linear_mass(self) -> Mass:

@@ -313,7 +313,7 @@ def least_speed_noise(robot: Robot) -> float:
     if gyro is None or wheels is None or not wheels.tachometer:
         return 0.0
     turned = rate_noise(robot, [RateNoise(0.0, 1.0)] * len(robot.wheels))
-    return HIDDEN * gyro.white_noise / turned
+    return HIDDEN * gyro.white_noise / turned if turned else np.inf
 
 
 def rate_noise(robot: Robot, speeds: Sequence[RateNoise]) -> float:
