@@ -6,6 +6,7 @@ the rate.
 """
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -30,9 +31,13 @@ from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.columns import vector_columns
+from orbident.recordings.long_recording import LARGE
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.sensor_schema import Sampled, SensorsSpec
+from orbident.robot.sensor_schema import SensorsSpec
+
+REMEMBERED = 4
+"""Motions of the base: while a cause is looked for, most stay as they were."""
 
 HIDDEN = 0.5
 """Part of a gyro's noise that hides what noise of wheels' speeds turns the base by: it
@@ -139,8 +144,11 @@ def base_motion(
         return BaseMotion(tuple(rate.T), tuple(x.T), how)
     if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
         return BaseMotion(w, fixes, _both(Origin.MEASURED))
-    table = np.column_stack(w)
-    return _fused(t, table, np.column_stack(fixes), sensors, late, source)
+    gyro, attitude = sensors.of("gyro"), sensors.of("attitude").white_std()
+    samples = [t.tobytes(), *(np.column_stack(x).tobytes() for x in (w, fixes))]
+    # Of many samples what is remembered would take much memory.
+    fused = _fused if t.size < LARGE else _fused.__wrapped__
+    return fused(*samples, gyro.white_std(), gyro.bias_walk, attitude, late, source)
 
 
 def _both(how: Origin) -> dict[str, Origin]:
@@ -165,19 +173,36 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
     return bool((seen & fixed).sum() < seen.sum() / 2)
 
 
+@lru_cache(REMEMBERED)
 def _fused(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    fixes: Float[np.ndarray, "n 4"],
-    sensors: SensorsSpec,
+    times: bytes,
+    rates: bytes,
+    attitudes: bytes,
+    white: float,
+    walk: float,
+    std: float,
     late: float,
     source: str,
 ) -> BaseMotion:
+    """What gyro and attitude say together.
+
+    Args:
+        times: of rows, s.
+        rates: of the base by the gyro, base axes, rad/s.
+        attitudes: quaternions, scalar last.
+        white: angle random walk of the gyro, rad/sqrt(s); zero if not declared.
+        walk: of its bias, rad/s/sqrt(s).
+        std: of an attitude, rad; zero if not declared.
+        late: by how much attitudes are behind, s.
+        source: of the recording.
+    """
+    t, w = np.frombuffer(times), np.frombuffer(rates).reshape(-1, 3)
+    fixes = np.frombuffer(attitudes).reshape(-1, 4)
     by_gyro = integrate_gyro(t, w, UNTURNED, source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
-    std = sensors.of("attitude").white_std() or _scatter(by_gyro, fixes)
-    noise = _gyro_noise(t, w, sensors.of("gyro"))
+    std = std or _scatter(by_gyro, fixes)
+    noise = GyroNoise(max(white or _white_noise(t, w), LEAST_N), walk)
     fused = fuse_attitude(t, w, fixes, noise, std, source)
     how = _both(Origin.FUSED_ATTITUDE)
     return BaseMotion(tuple((w - fused.bias).T), tuple(fused.x_WB.T), how)
@@ -200,16 +225,11 @@ def _caught_up(
     return moved
 
 
-def _gyro_noise(
-    t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"], gyro: Sampled
-) -> GyroNoise:
-    """As declared, or else as the samples' second differences show it."""
-    N = gyro.white_std()
-    if not N:
-        seen = np.isfinite(w).all(axis=1)
-        dt = np.median(np.diff(t[seen]))
-        N = white_std_of(np.diff(w[seen], n=2, axis=0), 2) * np.sqrt(dt)
-    return GyroNoise(max(float(N), LEAST_N), gyro.bias_walk)
+def _white_noise(t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"]) -> float:
+    """That of a gyro as its samples' second differences show it, rad/sqrt(s)."""
+    seen = np.isfinite(w).all(axis=1)
+    dt = np.median(np.diff(t[seen]))
+    return float(white_std_of(np.diff(w[seen], n=2, axis=0), 2) * np.sqrt(dt))
 
 
 def _scatter(
