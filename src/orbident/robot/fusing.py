@@ -178,15 +178,12 @@ def _turned_round(joint: UrdfJoint) -> UrdfJoint:
 
 
 def _refuse_unactuated(tree: LinkTree) -> None:
-    waiting = [tree.base]
-    while waiting:
-        for joint in tree.children.get(waiting.pop(), ()):
-            if joint.kind in _UNACTUATED:
-                raise InputError(
-                    f"{tree.place}: joint '{joint.name}' is {joint.kind}; below the "
-                    "base only revolute, continuous, prismatic and fixed joints work"
-                )
-            waiting.append(joint.child)
+    for joint in _depth_first(tree, tree.base):
+        if joint.kind in _UNACTUATED:
+            raise InputError(
+                f"{tree.place}: joint '{joint.name}' is {joint.kind}; below the "
+                "base only revolute, continuous, prismatic and fixed joints work"
+            )
 
 
 @dataclass(frozen=True)
@@ -202,7 +199,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Bodies:
-    """The fused tree; the base's frame is the base link's."""
+    """The fused tree; the base's frame has the axes of the base link."""
 
     names: tuple[str, ...]
     joints: tuple[Joint, ...]
@@ -212,18 +209,23 @@ class Bodies:
 
 
 def fused(
-    tree: LinkTree, root: str | None = None, held: frozenset[str] = frozenset()
+    tree: LinkTree,
+    root: str | None = None,
+    held: frozenset[str] = frozenset(),
+    feature_point: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Bodies:
     """Fuses fixed joints, `theta_P += transformed(theta_C, R_PC, p_PC)`.
 
     Bodies come depth first in the URDF's order, arm by arm. A body has the name of the
     link at its joint. It begins at the root, by default the base; joints that are held
-    are taken as fixed at q = 0.
+    are taken as fixed at q = 0. The first body's origin is the feature point, Eq. 27's,
+    which is given in the root link's frame, m.
     """
     root = tree.base if root is None else root
-    names, theta = [root], [tree.links[root].theta]
+    at_root = Placement(0, np.eye(3), -np.array(feature_point))
+    names, placements = [root], {root: at_root}
+    theta = [transformed(tree.links[root].theta, at_root.R, at_root.p)]
     joints: list[Joint] = []
-    placements = {root: Placement(0, np.eye(3), np.zeros(3))}
     for joint in _depth_first(tree, root):
         parent = placements[joint.parent]
         R, p = parent.R @ joint.R, parent.p + parent.R @ joint.p
@@ -248,24 +250,6 @@ def fused(
     )
 
 
-def about_feature_point(bodies: Bodies, p_LS: Float[np.ndarray, "3"]) -> Bodies:
-    """Moves the base body's origin from the base link's frame L to S, Eq. 27's point.
-
-    The base's frame is the base link's, in which `p_LS` is S, m.
-    """
-    theta = bodies.theta.copy()
-    theta[0] = transformed(theta[0], np.eye(3), -p_LS)
-    joints = tuple(
-        replace(joint, p_PJ=joint.p_PJ - p_LS) if joint.parent == 0 else joint
-        for joint in bodies.joints
-    )
-    placements = {
-        link: replace(at, p=at.p - p_LS) if at.body == 0 else at
-        for link, at in bodies.placements.items()
-    }
-    return Bodies(bodies.names, joints, theta, placements)
-
-
 def _depth_first(tree: LinkTree, root: str) -> Iterator[UrdfJoint]:
     waiting = list(reversed(tree.children.get(root, ())))
     while waiting:
@@ -278,24 +262,13 @@ BALANCE = 1e-6
 """A rotor is balanced where its errors are below this part of its own inertia."""
 
 
-@dataclass(frozen=True)
-class UrdfWheel:
-    """A wheel's mechanics, read from the URDF."""
-
-    axis: Float[np.ndarray, "3"]
-    """Unit vector, base axes."""
-    inertia: float
-    """About the spin axis, kg m^2."""
-    warnings: tuple[str, ...]
-
-
 def wheel_on_joint(
     tree: LinkTree, joint_name: str, where: str, declared: float | None = None
-) -> UrdfWheel:
-    """The rotor on a URDF joint.
+) -> tuple[Float[np.ndarray, "3"], float, list[str]]:
+    """The rotor on a URDF joint: its axis, base axes, its inertia, kg m^2; warnings.
 
     A rotor to which the URDF gives no inertia has the declared one about its axis,
-    kg m^2, which is part of the base already, as that of a wheel without a joint.
+    which is part of the base already, as that of a wheel without a joint.
 
     Raises:
         InputError: no such joint, one that cannot be a wheel, or a rotor without
@@ -343,12 +316,12 @@ def wheel_on_joint(
             "'inertia' in the robot file"
         )
     axis = on_base.R @ joint.R @ joint.axis
-    return UrdfWheel(axis, inertia, _imbalance(joint, theta, inertia))
+    return axis, inertia, _imbalance(joint, theta, inertia)
 
 
 def _imbalance(
     joint: UrdfJoint, theta: Float[np.ndarray, "10"], inertia: float
-) -> tuple[str, ...]:
+) -> list[str]:
     m, a = theta[MASS], joint.axis
     I_com = inertia_about_com(theta) if m else inertia_matrix(theta)
     warnings = []
@@ -371,4 +344,4 @@ def _imbalance(
             f"axis (off by {error:.4g} of {inertia:.4g} kg m^2); it is counted in the "
             "base as at q = 0"
         )
-    return tuple(warnings)
+    return warnings

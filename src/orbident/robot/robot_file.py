@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import yaml
-from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
@@ -29,7 +28,6 @@ from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_mod
 from orbident.robot.fusing import (
     Bodies,
     LinkTree,
-    about_feature_point,
     fused,
     link_tree,
     wheel_on_joint,
@@ -44,7 +42,7 @@ from orbident.robot.joint_schema import (
     with_flexible_joints,
 )
 from orbident.robot.oddities import contradictions, nonphysical
-from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
+from orbident.robot.schema import BODIES, LimitEntry, RobotFile
 from orbident.robot.tolerances import EVERY
 from orbident.robot.urdf import Urdf
 from orbident.robot.urdf_reader import read_urdf
@@ -71,10 +69,12 @@ def assembled(
         own = file.base.as_link(tree.base)
         tree = replace(tree, links={**tree.links, tree.base: own})
     wheels, wheel_warnings = _wheels(file, tree, place)
-    feature_point = np.array(file.feature_point)
     held = frozenset(w.joint for w in file.wheels if w.joint is not None)
-    bodies = about_feature_point(fused(tree, held=held), feature_point)
-    _require_mass(bodies, urdf.place)
+    bodies = fused(tree, held=held, feature_point=file.feature_point)
+    if not bodies.theta[:, 0].sum() > 0:
+        raise InputError(
+            f"{urdf.place}: no link has mass; give nominal values in <inertial>"
+        )
     names = [joint.name for joint in bodies.joints]
     _check_names(file, names, bodies.names, place)
     couplings, uncoupled = couplings_of(urdf, names)
@@ -91,7 +91,7 @@ def assembled(
         bodies=bodies.names,
         joints=_limited(bodies.joints, file.limits),
         theta=bodies.theta,
-        feature_point=feature_point,
+        feature_point=np.array(file.feature_point),
         couplings=couplings,
         wheels=wheels,
         rotors=rotors,
@@ -99,7 +99,7 @@ def assembled(
         friction=file.friction,
         thrusters=file.thrusters,
         torquers=file.torquers,
-        pads=_pads(file, bodies),
+        pads={name: bodies.placements[name].p + at for name, at in file.pads.items()},
         disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
         passive=file.passive,
@@ -151,23 +151,19 @@ def _wheels(
     for i, entry in enumerate(file.wheels):
         where = f"{place}: wheels[{i}]"
         if entry.joint is None:
-            wheels.append(_declared(entry))
-            continue
-        if joints.count(entry.joint) > 1:
+            # The schema has checked that both are there.
+            axis, inertia = np.array(entry.axis), entry.inertia or 0.0
+            axis /= np.linalg.norm(axis)
+        elif joints.count(entry.joint) > 1:
             raise InputError(
                 f"{where}: joint '{entry.joint}' is a wheel twice; keep one"
             )
-        found = wheel_on_joint(tree, entry.joint, where, entry.inertia)
-        wheels.append(Wheel(entry.label, found.axis, found.inertia, entry.mode))
-        warnings += found.warnings
+        else:
+            found = wheel_on_joint(tree, entry.joint, where, entry.inertia)
+            axis, inertia, faults = found
+            warnings += faults
+        wheels.append(Wheel(entry.label, axis, inertia, entry.mode))
     return tuple(wheels), warnings
-
-
-def _declared(entry: WheelEntry) -> Wheel:
-    if entry.axis is None or entry.inertia is None:
-        raise InputError("a declared wheel needs axis and inertia")
-    axis = np.array(entry.axis)
-    return Wheel(entry.label, axis / np.linalg.norm(axis), entry.inertia, entry.mode)
 
 
 def _limited(
@@ -179,15 +175,6 @@ def _limited(
         else joint
         for joint in joints
     )
-
-
-def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:
-    """The middles of pads in body frames; that of the base is at S."""
-    origin = {bodies.names[0]: np.array(file.feature_point)}
-    return {
-        name: np.array(at) - origin.get(name, np.zeros(3))
-        for name, at in file.pads.items()
-    }
 
 
 def _check_names(
@@ -227,13 +214,6 @@ def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:
         for name in bodies.placements
         for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_file)
     ]
-
-
-def _require_mass(bodies: Bodies, place: str) -> None:
-    if not bodies.theta[:, 0].sum() > 0:
-        raise InputError(
-            f"{place}: no link has mass; give nominal values in <inertial>"
-        )
 
 
 _SCHEMA = "orbident/robot/1"

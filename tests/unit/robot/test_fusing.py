@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from urdf_texts import joint, link, robot
 
-from orbident.robot.fusing import about_feature_point, fused, link_tree
+from orbident.robot.fusing import fused, link_tree
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.urdf_reader import read_urdf
 
@@ -107,8 +107,8 @@ def test_the_base_frame_has_its_origin_at_the_feature_point():
         link("base", 10.0, (1.0, 2.0, 3.0), com="0.5 0 0"), link("l1"), link("l2"),
         joint("j1", "base", "l1", xyz="1 0 0"), joint("j2", "l1", "l2", xyz="0 1 0"),
     )  # fmt: skip
-    p_LS = np.array([0.1, 0.2, 0.3])
-    bodies = about_feature_point(fused(link_tree(read_urdf(text))), p_LS)
+    p_LS = (0.1, 0.2, 0.3)
+    bodies = fused(link_tree(read_urdf(text)), feature_point=p_LS)
     expected = from_mass_com_inertia(
         10.0, np.array([0.4, -0.2, -0.3]), np.diag([1.0, 2.0, 3.0])
     )
