@@ -24,7 +24,7 @@ from functools import partial
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.text import read_text
+from orbident.files.text import read_text, reason_of
 
 
 @contextmanager
@@ -115,13 +115,6 @@ def writing(path: Path) -> Iterator[None]:
         raise _WriteError(path, error) from error
     except _WriteError as refused:
         raise _WriteError(path, refused.error) from refused
-
-
-def reason_of(error: OSError) -> str:
-    """The system's words alone: libraries put their own before them."""
-    if error.errno:
-        return os.strerror(error.errno)
-    return " ".join(str(error).split()) or type(error).__name__
 
 
 CHANGING = threading.RLock()
@@ -224,13 +217,13 @@ def check_free(path: Path, force: bool) -> None:
         raise InputError(f"{path}: exists already; name another, or use --force")
 
 
-def flush(path: Path) -> None:
+def flush(path: Path, flags: int = os.O_RDWR) -> None:
     """Wait until a file's bytes are on the disk.
 
     Raises:
         OSError: they did not get there.
     """
-    handle = os.open(path, os.O_RDWR)
+    handle = os.open(path, flags)
     try:
         os.fsync(handle)
     finally:
@@ -240,11 +233,7 @@ def flush(path: Path) -> None:
 def flush_names(folder: Path) -> None:
     """Wait until the names in a folder are on the disk, where the system can."""
     with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
+        flush(folder, os.O_RDONLY)
 
 
 def _reserve(temporary: Path, path: Path, opened: ExitStack) -> None:

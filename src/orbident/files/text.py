@@ -30,8 +30,7 @@ def read_text(path: Path) -> str:
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder; give a file") from None
     except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"{path}: cannot be read ({reason})") from error
+        raise unreadable(path, error) from error
     except ValueError as error:
         # A path with a null byte.
         raise InputError(f"{str(path)!r}: cannot be read ({error})") from None
@@ -58,8 +57,19 @@ def sha256(path: Path) -> str:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"{path}: cannot be read ({reason})") from error
+        raise unreadable(path, error) from error
+
+
+def unreadable(path: Path, error: OSError) -> InputError:
+    """What is said where the system refuses to read."""
+    return InputError(f"{path}: cannot be read ({reason_of(error)})")
+
+
+def reason_of(error: OSError) -> str:
+    """The system's words alone: libraries put their own before them."""
+    if error.errno:
+        return os.strerror(error.errno)
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def refuse_pipe(path: Path, what: str) -> None:

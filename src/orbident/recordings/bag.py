@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, cast
 from orbident.errors import InputError
 from orbident.extras import extra
 from orbident.files.names import one_line
+from orbident.files.text import unreadable
 from orbident.recordings.source import RawMessage, Source
 
 # The one import of the libraries that read bags.
@@ -373,9 +374,7 @@ def open_bag(path: Path) -> Iterator[Source]:
         except InputError:
             raise
         except PermissionError as error:
-            raise InputError(
-                f"{path}: cannot be read ({error.strerror or error})"
-            ) from error
+            raise unreadable(path, error) from error
         except Exception as error:
             raise InputError(_damaged(path, error)) from error
         if not any(topic.count for topic in source.topics.values()):

@@ -15,7 +15,7 @@ import pyarrow.parquet as parquet
 from orbident.errors import InputError
 from orbident.files.names import quoted
 from orbident.files.replacing import check_place, replacing
-from orbident.files.text import refuse_pipe
+from orbident.files.text import refuse_pipe, unreadable
 from orbident.recordings.columns import check_names, is_known
 from orbident.recordings.csv_table import (
     csv_batches,
@@ -242,8 +242,7 @@ def _readable(path: Path) -> Iterator[None]:
             raise InputError(f"{path}: is empty; give a recording")
         yield
     except OSError as error:
-        reason = error.strerror or str(error).splitlines()[0]
-        raise InputError(f"{path}: cannot be read ({reason})") from error
+        raise unreadable(path, error) from error
 
 
 def _is_csv(path: Path) -> bool:

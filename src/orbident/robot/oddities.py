@@ -120,13 +120,13 @@ def contradictions(
             com = theta_i[FIRST_MOMENT] / (theta_i[MASS] or 1.0)
             warnings.append(
                 f"structure: {body}: com_on_axis: {known.com_on_axis}, but the nominal "
-                f"CM is at {_vector(com)} m"
+                f"CM is at [{_numbers(*com)}] m"
             )
         if known.principal_axes and _has_products(theta_i):
             products = np.array([theta_i[SYMBOLS.index(name)] for name in _PRODUCTS])
             warnings.append(
                 f"structure: {body}: principal_axes, but the nominal products of "
-                f"inertia are {_vector(products)} kg m^2 (xy, xz, yz)"
+                f"inertia are [{_numbers(*products)}] kg m^2 (xy, xz, yz)"
             )
     return tuple(warnings)
 
@@ -141,10 +141,6 @@ def _has_products(theta_i: Float[np.ndarray, "10"]) -> bool:
     I = inertia_matrix(theta_i)
     largest = np.abs(I - np.diag(np.diag(I))).max()
     return bool(largest > TOLERANCE * abs(np.trace(I)))
-
-
-def _vector(values: Float[np.ndarray, "3"]) -> str:
-    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
 
 
 FAR = 10.0

@@ -18,6 +18,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.extras import extra
 from orbident.files.names import one_line, quoted
+from orbident.files.text import unreadable
 from orbident.recordings.logs.arrow_file import (
     SUFFIXES,
     read_parquet_log,
@@ -186,14 +187,14 @@ def open_log(path: Path) -> Iterator[Source]:
                 f"{path}: has too many levels of groups or structs, one in another; "
                 "write tables that are not nested"
             ) from None
-        except OSError as error:
-            if error.errno:
-                reason = error.strerror or error
-                raise InputError(f"{path}: cannot be read ({reason})") from error
-            raise InputError(_damaged(path, kind, error)) from error
         # What the libraries raise over damaged bytes is of any kind.
         except Exception as error:
-            raise InputError(_damaged(path, kind, error)) from error
+            if isinstance(error, OSError) and error.errno:
+                raise unreadable(path, error) from error
+            raise InputError(
+                f"{path}: is damaged or no {kind.name} file ({one_line(error)}); copy "
+                "or write it again"
+            ) from error
         if not any(group.count for group in found.values()):
             fields = (f for group in found.values() for f in group.fields.items())
             first = next((f": {quoted(name)} {f.problem}" for name, f in fields), "")
@@ -241,10 +242,3 @@ def _check_start(path: Path, kind: FileKind) -> None:
             f"{path}: does not begin as a {kind.name} file does; write it again"
             + (", with 'save -v7'" if kind.name == "MATLAB" else "")
         )
-
-
-def _damaged(path: Path, kind: FileKind, error: Exception) -> str:
-    return (
-        f"{path}: is damaged or no {kind.name} file ({one_line(error)}); copy or write "
-        "it again"
-    )

@@ -148,6 +148,8 @@ _PREFIX = re.compile(r"(?:</?|\s(?=[\w.-]+:[\w.-]+\s*=\s*['\"]))[\w.-]+:(?=\w)")
 def read_sdf(text: str, place: str) -> Urdf:
     """The links and joints of the one model of an SDF file. No mesh is opened.
 
+    What a URDF may not say either, as of limits and axes, is left to `read_urdf`.
+
     Raises:
         InputError: malformed XML, no model or several, models in the model or by
             <include>, a version that is not known, a link without mass or inertia,
@@ -345,17 +347,15 @@ class _SdfReader:
         return Mimic(leader, multiplier, offset - multiplier * reference)
 
     def _axis(self, joint: str, axis: ET.Element, where: str) -> Float[np.ndarray, "3"]:
-        """The unit vector in the model's axes."""
+        """The vector in the model's axes; `read_urdf` makes its length one."""
         xyz = axis.find("xyz")
         text = "0 0 1" if xyz is None else str(xyz.text)
         vector = np.array(numbers_in(text, 3, f"{where}: <xyz>"))
-        norm = float(np.linalg.norm(vector))
-        if norm < SMALLEST:
-            raise InputError(f"{where}: found axis 0 0 0; give a nonzero vector")
+
         said = None if xyz is None else xyz.get("expressed_in")
         old = (axis.findtext("use_parent_model_frame") or "").strip() in YES
         frame = said or (MODEL if old or self.in_model_axes else _joint_frame(joint))
-        return self.frames.pose(frame).R @ vector / norm
+        return self.frames.pose(frame).R @ vector
 
     def _limits(
         self, axis: ET.Element, kind: str, where: str
@@ -366,11 +366,7 @@ class _SdfReader:
         lower = self._limit(limit, "lower", -math.inf, where)
         upper = self._limit(limit, "upper", math.inf, where)
         velocity = self._limit(limit, "velocity", -1.0, where)
-        if lower > upper:
-            raise InputError(
-                f"{where}: found lower limit {lower:g} above the upper limit "
-                f"{upper:g}; exchange them"
-            )
+
         free = kind == "continuous" or lower == upper or max(-lower, upper) > LARGEST
         moves = 0 < velocity <= LARGEST
         return None if free else (lower, upper), velocity if moves else None
