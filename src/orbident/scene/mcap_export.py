@@ -156,7 +156,10 @@ def _write_static(log: MessageLog, robot: Robot, name: str, start: int) -> None:
 def _write_motion(
     log: MessageLog, robot: Robot, name: str, motion: MotionHistory
 ) -> Iterator[float]:
-    p_LS, angles = robot.feature_point, motion.wheel_angles()
+    p_LS = robot.feature_point
+    names = [*robot.joint_names, *robot.wheel_names]
+    q = np.hstack([motion.q, motion.wheel_angles()])
+    qd = np.hstack([motion.qd, motion.qd_rw])
     for first in range(0, motion.t.size, PART):
         rows = slice(first, first + PART)
         part = MotionHistory(*(column[rows] for column in motion))
@@ -176,22 +179,15 @@ def _write_motion(
             log.write("/tf", message("tf2_msgs/TFMessage", frames), time)
             log.write(f"/imu/{name}", _imu(time, base, part, k), time)
             if name == "measured":
-                states = _joint_states(time, robot, part, k, angles[first + k])
+                states = _joint_state(time, names, q[first + k], qd[first + k])
                 log.write("/joint_states", states, time)
         yield min(1.0, (first + PART) / motion.t.size)
 
 
-def _joint_states(
-    time: int, robot: Robot, motion: MotionHistory, k: int, angles: np.ndarray
-) -> Any:
-    return message(
-        "sensor_msgs/JointState",
-        _header(time),
-        [*robot.joint_names, *robot.wheel_names],
-        np.concatenate([motion.q[k], angles]),
-        np.concatenate([motion.qd[k], motion.qd_rw[k]]),
-        np.zeros(0),
-    )
+def _joint_state(time: int, names: list[str], q: np.ndarray, qd: np.ndarray) -> Any:
+    # As the library writes them, numbers are side by side in memory.
+    numbers = np.array(q), np.array(qd), np.zeros(0)
+    return message("sensor_msgs/JointState", _header(time), names, *numbers)
 
 
 def _imu(time: int, frame: str, motion: MotionHistory, k: int) -> Any:
@@ -209,27 +205,16 @@ def _imu(time: int, frame: str, motion: MotionHistory, k: int) -> Any:
 
 def _write_signal(log: MessageLog, signal: Signal, shift: float) -> None:
     spatial = set(signal.axes) <= set("xyz") and signal.sensor != "joints"
-    for name, values in (
-        ("measured", signal.measured),
-        ("predicted", signal.predicted),
-    ):
+    for name in ("measured", "predicted"):
         topic = f"/signals/{signal.name}/{name}"
-        for t, row in zip(signal.t - shift, values, strict=True):
+        for t, row in zip(signal.t - shift, getattr(signal, name), strict=True):
             time = _nanoseconds(t)
             if spatial:
                 xyz = [dict(zip(signal.axes, row, strict=True)).get(k) for k in "xyz"]
                 vector = _vector(np.array(xyz, dtype=float))
                 written = message("geometry_msgs/Vector3Stamped", _header(time), vector)
             else:
-                none = np.zeros(0)
-                written = message(
-                    "sensor_msgs/JointState",
-                    _header(time),
-                    list(signal.axes),
-                    np.array(row),
-                    none,
-                    none,
-                )
+                written = _joint_state(time, list(signal.axes), row, np.zeros(0))
             log.write(topic, written, time)
 
 

@@ -12,6 +12,7 @@ from jaxtyping import Float
 from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
+from orbident.environment.motion import straight
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.excitation.table_points import table_points
@@ -296,7 +297,7 @@ def _measured(
     robot: Robot, recording: Recording, t: Float[np.ndarray, " n"], batch: Batch
 ) -> MotionHistory:
     if batch.moving.any():
-        v_S = _between(t, t[batch.moving], batch.v_S[batch.moving])
+        v_S = straight(t, t[batch.moving], batch.v_S[batch.moving])
         r_S = cumulative_trapezoid(v_S, t, axis=0, initial=0)
     else:
         r_S, v_S = _about_resting_cm(robot, batch)
@@ -304,18 +305,10 @@ def _measured(
         position = recording.vector("position")
         seen = np.isfinite(position).all(axis=1)
         if seen.any():
-            r_S = _between(t, recording.t[seen], position[seen])
+            r_S = straight(t, recording.t[seen], position[seen])
     return MotionHistory(
         t, batch.q, batch.qd, batch.x_WB, batch.w, r_S, v_S, batch.qd_rw
     )
-
-
-def _between(
-    t: Float[np.ndarray, " n"],
-    t_seen: Float[np.ndarray, " m"],
-    values: Float[np.ndarray, "m 3"],
-) -> Float[np.ndarray, "n 3"]:
-    return np.column_stack([np.interp(t, t_seen, column) for column in values.T])
 
 
 def _about_resting_cm(

@@ -99,8 +99,6 @@ class LivePage:
 
 
 class _Server(ThreadingHTTPServer):
-    daemon_threads = True
-
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A browser that hangs up is no error; anything else is one of ours."""
         if not isinstance(sys.exception(), OSError):

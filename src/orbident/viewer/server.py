@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, replace
 from pathlib import Path
+from threading import Event
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from orbident.errors import InputError
@@ -116,29 +117,23 @@ def in_address(host: str) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-class Gated:
-    """Whether a server was made while the gate stood in its way."""
-
-    served = False
-
-
 @contextmanager
-def gated(gate: Gate) -> Iterator[Gated]:
+def gated(gate: Gate) -> Iterator[Event]:
     """Put the gate before every websockets server that is made meanwhile.
 
     viser has no argument for it, but makes its server by
     `websockets.asyncio.server.serve`, of which `process_request` and `logger` are
-    documented arguments. The caller must check `served`.
+    documented arguments. The caller must check that it did: the event is set then.
     """
     # Late: websockets comes with the extra `view`.
     from unittest.mock import patch
 
     import websockets.asyncio.server as servers
 
-    plain, done = servers.serve, Gated()
+    plain, done = servers.serve, Event()
 
     def serve(*arguments: Any, process_request: Any, **options: Any) -> Any:
-        done.served = True
+        done.set()
         # What a client sends is handled in tasks of this loop.
         asyncio.get_running_loop().set_exception_handler(lambda loop, context: None)
         checked = _checked(gate, process_request)
@@ -225,9 +220,9 @@ def open_server(host: str, port: int) -> Served:
 
     bound = _free(host, port)
     gate = Gate.at(host, bound)
-    with _silent(), gated(gate) as gating:
+    with _silent(), gated(gate) as served:
         server = viser.ViserServer(bound, port, verbose=False)
-    if not gating.served:
+    if not served.is_set():
         close(server)
         raise RuntimeError(f"viser {viser.__version__} serves past the gate")
     # What casts shadows takes most of the time where there is no graphics card.
