@@ -90,7 +90,6 @@ class BodyEntry(MassEntry):
 
     @model_validator(mode="after")
     def _hung(self) -> "BodyEntry":
-        needed = {"joint": self.joint, "axis": self.axis}
         if self.parent is None:
             given = sorted(
                 {"joint", "type", "axis", "xyz", "rpy"} & self.model_fields_set
@@ -101,7 +100,7 @@ class BodyEntry(MassEntry):
                     "'parent', or leave them out if this is the base"
                 )
         elif self.type != "fixed":
-            missing = [key for key, value in needed.items() if value is None]
+            missing = [key for key in ("joint", "axis") if getattr(self, key) is None]
             if missing:
                 raise InputError(
                     f"{' and '.join(map(repr, missing))} missing; a body that moves on "
@@ -138,10 +137,6 @@ class DhTable(MappingSchema):
     rows: tuple[DhRow, ...] = Field(min_length=1)
 
 
-NO_AXIS = np.array([1.0, 0.0, 0.0])
-"""Of a joint that does not move."""
-
-
 def tree_of_bodies(bodies: Mapping[str, BodyEntry], name: str, place: str) -> Urdf:
     """The links and joints of `bodies:`.
 
@@ -156,7 +151,7 @@ def tree_of_bodies(bodies: Mapping[str, BodyEntry], name: str, place: str) -> Ur
             body,
             rotation_of(np.array(entry.rpy)),
             np.array(entry.xyz),
-            NO_AXIS if entry.axis is None else np.array(entry.axis),
+            np.array(entry.axis or (1.0, 0.0, 0.0)),
         )
         for body, entry in bodies.items()
         if entry.parent is not None

@@ -146,13 +146,15 @@ class OrbitEntry(MappingSchema):
                 raise InputError("orbit: an OEM stands in a robot file; give elements")
             return Orbit(read_oem(folder / self.oem, self.epoch), self.epoch)
         perigee = self.perigee or 0.0
-        anomaly = (self.anomaly or 0.0) if self.argument is None else self.argument
+        anomaly = self.anomaly or 0.0
+        if self.argument is not None:
+            anomaly = self.argument - perigee
         elements = Elements(
             semi_major_axis=self._semi_major_axis,
             inclination=self.inclination or 0.0,
             eccentricity=self.eccentricity,
             node=self.node,
             perigee=perigee,
-            anomaly=anomaly if self.argument is None else anomaly - perigee,
+            anomaly=anomaly,
         )
         return Orbit(elements, self.epoch)

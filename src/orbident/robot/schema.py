@@ -213,18 +213,14 @@ class WheelEntry(MappingSchema):
 
     @model_validator(mode="after")
     def _one_kind(self) -> "WheelEntry":
-        given = {"axis": self.axis, "inertia": self.inertia}
-        if self.joint is not None:
-            if self.axis is not None:
-                raise InputError(
-                    "'joint' and 'axis' exclude each other: a wheel on a URDF joint "
-                    "takes its axis from there; keep one"
-                )
-            return self
-        missing = [
-            key for key, value in ({"name": self.name} | given).items() if value is None
-        ]
-        if missing:
+        if self.joint is not None and self.axis is not None:
+            raise InputError(
+                "'joint' and 'axis' exclude each other: a wheel on a URDF joint "
+                "takes its axis from there; keep one"
+            )
+        needed = ("name", "axis", "inertia")
+        missing = [key for key in needed if getattr(self, key) is None]
+        if missing and self.joint is None:
             raise InputError(
                 f"{' and '.join(map(repr, missing))} missing; give name, axis and "
                 "inertia, or the URDF's joint"

@@ -21,13 +21,13 @@ is larger than `LARGEST` for none."""
 
 @dataclass(frozen=True)
 class UrdfLink:
-    """A link as the file gives it."""
+    """A link as the file gives it; without mass by default."""
 
     name: str
-    mass: float
-    com: Float[np.ndarray, "3"]
+    mass: float = 0.0
+    com: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     """Position of the CM in the link's frame, m."""
-    I_com: Float[np.ndarray, "3 3"]
+    I_com: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.zeros((3, 3)))
     """About the CM, link's axes, kg m^2."""
     R: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
     """Rotates vectors from the axes of the file's inertia into the link's."""
@@ -67,8 +67,8 @@ class UrdfJoint:
     """Rotates vectors from the child link's axes at q = 0 into the parent link's."""
     p: Float[np.ndarray, "3"]
     """Position of the child link's origin at q = 0 in the parent link's frame, m."""
-    axis: Float[np.ndarray, "3"]
-    """Unit vector, child link's axes."""
+    axis: Float[np.ndarray, "3"] = field(default_factory=lambda: np.eye(3)[0])
+    """Unit vector, child link's axes; any one of a joint that does not move."""
     position: tuple[float, float] | None = None
     velocity: float | None = None
     mimic: Mimic | None = None

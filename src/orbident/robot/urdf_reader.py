@@ -72,7 +72,7 @@ def read_urdf(text: str, place: str = "URDF") -> Urdf:
 def _link(link: ET.Element, name: str, where: str) -> UrdfLink:
     inertials = link.findall("inertial")
     if not inertials:
-        return UrdfLink(name, 0.0, np.zeros(3), np.zeros((3, 3)))
+        return UrdfLink(name)
     if len(inertials) > 1:
         raise InputError(f"{where}: found {len(inertials)} <inertial>; give one")
     (inertial,) = inertials

@@ -177,7 +177,7 @@ class _MjcfReader:
         links, joints = [self._link(base, np.zeros(3))], []
         if _SLIDE in self._kinds(base):
             # No body can have the name of the world.
-            links.append(_massless("world"))
+            links.append(UrdfLink("world"))
             joints.append(self._table(base))
         for body in range(base + 1, self.model.nbody):
             if int(self.model.body_parentid[body]) in self.anchors:
@@ -278,15 +278,13 @@ class _MjcfReader:
             anchor = model.jnt_pos[j].copy()
             R_q, p_q = self._at_zero(j)
             name = self.bodies[body] if last else f"{self._name(j)}_link"
-            link = self._link(body, anchor) if last else _massless(name)
+            link = self._link(body, anchor) if last else UrdfLink(name)
             yield link, self._joint(j, above, name, R @ R_q, p + R @ (anchor + p_q))
             # The next joint of this body stands in the frame of this one.
             above, R, p = name, np.eye(3), -anchor
         if not len(self.joints[body]):
-            joint = UrdfJoint(
-                f"{self.bodies[body]}_fixed", "fixed", above, self.bodies[body], R, p,
-                axis=np.array([1.0, 0.0, 0.0]),
-            )  # fmt: skip
+            name = self.bodies[body]
+            joint = UrdfJoint(f"{name}_fixed", "fixed", above, name, R, p)
             yield self._link(body, np.zeros(3)), joint
 
     def _name(self, j: int) -> str:
@@ -299,10 +297,8 @@ class _MjcfReader:
         ref, axis = self.model.qpos0[self.model.jnt_qposadr[j]], self.model.jnt_axis[j]
         if self.model.jnt_type[j] == _SLIDE:
             return np.eye(3), -ref * axis
-        half = -ref / 2
-        return self._matrix(np.array([np.cos(half), *(np.sin(half) * axis)])), np.zeros(
-            3
-        )
+        quat = np.array([np.cos(-ref / 2), *(np.sin(-ref / 2) * axis)])
+        return self._matrix(quat), np.zeros(3)
 
     def _joint(
         self,
@@ -349,7 +345,3 @@ class _MjcfReader:
         R = np.zeros(9)
         self.quat2mat(R, quat)
         return R.reshape(3, 3)
-
-
-def _massless(name: str) -> UrdfLink:
-    return UrdfLink(name, 0.0, np.zeros(3), np.zeros((3, 3)))

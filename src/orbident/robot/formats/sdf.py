@@ -14,7 +14,7 @@ A pose is relative to the frame that `relative_to` names. Where it names none, i
 import math
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -320,17 +320,17 @@ class _SdfReader:
             raise InputError(f"{where}: found {found}; give one of {', '.join(KINDS)}")
         parent, child = self._end(name, "parent"), self._end(name, "child")
         placed = at[child].seen_from(at[parent])
-        axis, position, velocity, mimic = np.array([1.0, 0.0, 0.0]), None, None, None
-        if kind != "fixed":
-            given = element.find("axis")
-            given = ET.Element("axis") if given is None else given
-            axis = at[child].R.T @ self._axis(name, given, where)
-            position, velocity = self._limits(given, kind, where)
-            mimic = self._mimic(given, where)
-        return UrdfJoint(
-            name, kind, parent, child, placed.R, placed.p, axis, position, velocity,
-            mimic,
-        )  # fmt: skip
+        joint = UrdfJoint(name, kind, parent, child, placed.R, placed.p)
+        if kind == "fixed":
+            return joint
+        given = element.find("axis")
+        given = ET.Element("axis") if given is None else given
+        axis = at[child].R.T @ self._axis(name, given, where)
+        position, velocity = self._limits(given, kind, where)
+        mimic = self._mimic(given, where)
+        return replace(
+            joint, axis=axis, position=position, velocity=velocity, mimic=mimic
+        )
 
     def _mimic(self, axis: ET.Element, where: str) -> Mimic | None:
         """`q = multiplier (q' - reference) + offset`."""
