@@ -95,16 +95,6 @@ def parquet_batches(
         yield from _row_groups(file, [n for n in file.schema_arrow.names if wanted(n)])
 
 
-def parquet_rows(path: Path) -> int:
-    """How many rows the file says that it has.
-
-    Raises:
-        InputError: As `read_parquet`.
-    """
-    with _opened(path) as file:
-        return file.metadata.num_rows
-
-
 @contextmanager
 def _opened(path: Path) -> Iterator[parquet.ParquetFile]:
     try:
@@ -252,7 +242,8 @@ def _is_csv(path: Path) -> bool:
 def _rows(path: Path) -> int:
     """How many rows there are; of CSV with fewer than `LARGE`, any number below it."""
     if not _is_csv(path):
-        return parquet_rows(path)
+        with _opened(path) as file:
+            return file.metadata.num_rows
     # A row has two characters at least: few bytes are few rows.
     if path.stat().st_size // 2 < LARGE or csv_lines(path) < LARGE:
         return 0

@@ -16,6 +16,7 @@ from orbident.files.schema_parts import (
     finite_number,
     finite_vector,
 )
+from orbident.model.rotations import quaternion_matrix, rotate
 
 Quaternions = Float[np.ndarray, "#n 4"]
 Vectors = Float[np.ndarray, "#n 3"]
@@ -33,12 +34,6 @@ def product(x: Quaternions, y: Quaternions) -> Quaternions:
 def conjugate(x: Quaternions) -> Quaternions:
     """`R(x*) = R(x)^T`."""
     return x * np.array([-1.0, -1.0, -1.0, 1.0])
-
-
-def rotate_by_quaternion(x: Quaternions, v: Vectors) -> Vectors:
-    """`R(x) v = v + 2 u x (u x v + a v)`, with `x = (u, a)`."""
-    u, a = x[:, :3], x[:, 3:]
-    return v + 2 * np.cross(u, np.cross(u, v) + a * v)
 
 
 LONGEST = 2**62
@@ -191,7 +186,9 @@ class Mounted(Entry):
     def in_base(self, v_S: Vectors) -> Vectors:
         """`v_B = R_BS v_S`."""
         # Turning by nothing would let a NaN of one axis into the others.
-        return v_S if self.rotation is None else rotate_by_quaternion(self._x_BS, v_S)
+        if self.rotation is None:
+            return v_S
+        return rotate(quaternion_matrix(self._x_BS), v_S)
 
     def of_base(self, x_WS: Quaternions) -> Quaternions:
         """`R_WB = R_WS R_BS^T`."""

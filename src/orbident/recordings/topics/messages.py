@@ -17,6 +17,7 @@ from pydantic import Field, create_model, model_validator
 
 from orbident.errors import InputError
 from orbident.files.schema_parts import Name
+from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.topics.any_message import Message
 from orbident.recordings.topics.entry import (
@@ -25,7 +26,6 @@ from orbident.recordings.topics.entry import (
     Take,
     conjugate,
     header_stamp,
-    rotate_by_quaternion,
 )
 from orbident.recordings.topics.fields import Filling
 from orbident.recordings.topics.targets import (
@@ -98,9 +98,8 @@ class Odometry(VectorMessage):
         """Columns, SI; `v_W = R_WS v_S`, `w_B = R_BS w_S` of a twist in child axes."""
         if self.turned_by_attitude:
             x, part = raw[:, self.slices["attitude"]], raw[:, self.slices[self._turned]]
-            part[:] = rotate_by_quaternion(
-                x if self.twist == "child" else conjugate(x), part
-            )
+            R = quaternion_matrix(x)
+            part[:] = rotate(R, part) if self.twist == "child" else rotate_back(R, part)
         return super().table(raw)
 
 
@@ -118,10 +117,10 @@ class Pose(VectorMessage):
         """Columns in m, inertial axes; `p_WS = -R_SW^T p_SW` of an inverted pose."""
         if self.turned_by_attitude:
             x = raw[:, self.slices["attitude"]]
-            x[:] = conjugate(x)
             if "position" in self.slices:
                 p = raw[:, self.slices["position"]]
-                p[:] = -rotate_by_quaternion(x, p)
+                p[:] = -rotate_back(quaternion_matrix(x), p)
+            x[:] = conjugate(x)
         return super().table(raw)
 
 

@@ -96,7 +96,6 @@ def _entry(document: dict[str, Any], place: str, text: str, number: int) -> Entr
 
 _UNITS = {name: next(iter(DIMENSIONS[of])) for name, of in DIMENSION_OF.items()}
 _UNITS["attitude"] = "quaternion"
-_OF_JOINTS = {"position": "rad", "torque": "N m", "current": "A"}
 
 
 def _proposed_table(
@@ -212,9 +211,8 @@ def _known(group: Group) -> dict[str, tuple[str, str]]:
             found[name] = unit, f"[{', '.join(parts)}]"
     for name in group.fields:
         if is_known(name) and name.startswith(("joint.", "wheel.")):
-            last = name.rsplit(".", 1)[1]
-            unit = _OF_JOINTS.get(last, "rad/s")
-            found[name] = group.unit(name) or unit, as_yaml(name)
+            si = next(iter(DIMENSIONS[dimension_of(name)]))
+            found[name] = group.unit(name) or si, as_yaml(name)
     return found
 
 

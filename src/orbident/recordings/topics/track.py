@@ -214,11 +214,9 @@ class Track:
             )
 
     def _flush(self) -> None:
-        if not self._waiting:
-            return
-        raw = np.array(self._waiting, dtype=np.float64)
-        self._waiting.clear()
-        self._keep(raw)
+        if self._waiting:
+            self._keep(np.array(self._waiting, dtype=np.float64))
+            self._waiting.clear()
 
     def _keep(self, raw: Float[np.ndarray, "n K"]) -> None:
         where, lost = self.entry.quaternion, np.zeros(len(raw), dtype=bool)
@@ -243,11 +241,8 @@ class Track:
         bad = np.flatnonzero(off & (norm > 0))
         if bad.size and not self._bad:
             number = len(self._stamps) - norm.size + int(bad[0])
-            self._first_bad = self._named(number, norm[bad[0]])
+            ns = self._stamps[number] or self._received[number]
+            self._first_bad = f"at {ns / 1e9:.3f} s with norm {norm[bad[0]]:.4g}"
         self._bad += bad.size
         norm[off] = np.nan
         return x / norm[:, None]
-
-    def _named(self, number: int, norm: float) -> str:
-        ns = self._stamps[number] or self._received[number]
-        return f"at {ns / 1e9:.3f} s with norm {norm:.4g}"
