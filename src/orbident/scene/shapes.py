@@ -10,9 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from orbident.errors import InputError
 from orbident.extras import MissingLibraryError, extra
 from orbident.files.bounds import LARGEST
 from orbident.robot.urdf import rotation_of
+from orbident.robot.urdf_reader import numbers_in
 
 Colour = tuple[int, int, int]
 
@@ -279,7 +281,7 @@ class _ShapeReader(NamedTuple):
         try:
             made = self._geometry(geometry, self._colour(element.find("material")))
             placed = None if made is None else _placed(made, element.find("origin"))
-        except (ValueError, OverflowError):
+        except InputError:
             return None
         return placed
 
@@ -331,10 +333,7 @@ def _placed(shape: Shape, origin: ET.Element | None) -> Shape:
 def _numbers(
     text: str | None, count: int, default: float | None = None
 ) -> Float[np.ndarray, " n"]:
-    """The numbers of an attribute; ValueError for another count, or for absurd ones."""
+    """The numbers of an attribute; `InputError` for another count, or absurd ones."""
     if text is None and default is not None:
         return np.full(count, float(default))
-    numbers = [float(word) for word in (text or "").split()]
-    if len(numbers) != count or not all(abs(number) <= LARGEST for number in numbers):
-        raise ValueError(text)
-    return np.array(numbers)
+    return np.array(numbers_in(text or "", count, "URDF"))

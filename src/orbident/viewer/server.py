@@ -23,6 +23,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from orbident.errors import InputError
 from orbident.extras import extra
+from orbident.files.text import reason_of
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
 TOKEN_BYTES = 16
@@ -276,15 +277,12 @@ def _free(host: str, port: int) -> str:
                 "127.0.0.1, or 0.0.0.0 for all of them"
             ) from None
         except OSError as error:
-            raise InputError(_refused(host, port, error)) from None
-
-
-def _refused(host: str, port: int, error: OSError) -> str:
-    reason = error.strerror or str(error)
-    if error.errno == errno.EADDRNOTAVAIL:
-        return (
-            f"--host: '{host}' is no address of this machine; give 127.0.0.1, or "
-            "0.0.0.0 for all of them"
-        )
-    remedy = "give another, or 0 for any that is free"
-    return f"--port: {port} at {host} cannot be used ({reason}); {remedy}"
+            if error.errno == errno.EADDRNOTAVAIL:
+                raise InputError(
+                    f"--host: '{host}' is no address of this machine; give 127.0.0.1, "
+                    "or 0.0.0.0 for all of them"
+                ) from None
+            raise InputError(
+                f"--port: {port} at {host} cannot be used ({reason_of(error)}); give "
+                "another, or 0 for any that is free"
+            ) from None

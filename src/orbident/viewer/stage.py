@@ -78,19 +78,13 @@ class DrawnRobot:
 
         A ghost has one colour, and is transparent. No other node has its name.
         """
-        self._server = server
         self._root = server.scene.add_frame(name, show_axes=False)
-        count = len(scene.robot.bodies) + len(scene.robot.wheels)
-        self._frames = [
-            server.scene.add_frame(f"{name}/{k}", show_axes=False) for k in range(count)
-        ]
-        robot = scene.robot
-        self._names = [
-            server.scene.add_label(f"{name}/{k}/name", words, visible=False)
-            for k, words in enumerate(
-                (*robot.bodies, *(wheel.name for wheel in robot.wheels))
-            )
-        ]
+        self._frames, self._names = [], []
+        for k, words in enumerate((*scene.robot.bodies, *scene.robot.wheel_names)):
+            at = f"{name}/{k}"
+            self._frames.append(server.scene.add_frame(at, show_axes=False))
+            label = server.scene.add_label(f"{at}/name", words, visible=False)
+            self._names.append(label)
         for k, shape in enumerate(scene.shapes):
             server.scene.add_mesh_simple(
                 f"{name}/{shape.frame}/{k}",
@@ -143,10 +137,8 @@ class Ellipsoid:
 
     def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
         """Show it as it is at the time `k`, seen from `origin`."""
-        self._ball.wxyz, self._ball.position = (
-            self._x[k],
-            self._inertia.r_cm[k] - origin,
-        )
+        self._ball.wxyz = self._x[k]
+        self._ball.position = self._inertia.r_cm[k] - origin
         self._ball.scale = tuple(self._inertia.lengths[k].tolist())
 
     def show(self, visible: bool) -> None:
