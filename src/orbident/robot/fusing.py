@@ -37,22 +37,6 @@ class LinkTree:
     place: str
     """The URDF's name, for messages."""
 
-    def rigid_group(self, link: str) -> tuple[tuple[str, ...], tuple[UrdfJoint, ...]]:
-        """The links fixed to `link` from below, and the moving joints that leave them.
-
-        The link itself is the first.
-        """
-        links, leaving, waiting = [], [], [link]
-        while waiting:
-            current = waiting.pop()
-            links.append(current)
-            for joint in self.children.get(current, ()):
-                if joint.kind == "fixed":
-                    waiting.append(joint.child)
-                else:
-                    leaving.append(joint)
-        return tuple(links), tuple(leaving)
-
 
 def link_tree(urdf: Urdf, base_link: str | None = None) -> LinkTree:
     """The tree below the base link.
@@ -129,8 +113,13 @@ def _refuse_cycle(link: str, above: dict[str, UrdfJoint], place: str) -> None:
 
 def _below_world(tree: LinkTree) -> str:
     """The link under a massless root's only, floating joint; else the root."""
-    group, leaving = tree.rigid_group(tree.base)
-    massless = not any(tree.links[name].theta.any() for name in group)
+    fixed, leaving = [tree.base], []
+    for joint in _depth_first(tree, tree.base):
+        if joint.parent in fixed and joint.kind == "fixed":
+            fixed.append(joint.child)
+        elif joint.parent in fixed:
+            leaving.append(joint)
+    massless = not any(tree.links[name].theta.any() for name in fixed)
     if massless and len(leaving) == 1 and leaving[0].kind in _UNACTUATED:
         return leaving[0].child
     return tree.base

@@ -161,20 +161,22 @@ class ReplayPage:
         at = placed(scene, measured, angles)
         self._robots = [(DrawnRobot(server, "/robot", scene), at)]
         by_cad = replay.by_cad and replay.by_cad.thinned(MOST_TIMES)
+        self._ghosts: dict[str, DrawnRobot] = {}
         for name, motion, colour in (
-            ("/predicted", predicted, IDENTIFIED),
-            ("/cad", by_cad, CAD),
+            ("Predicted", predicted, IDENTIFIED),
+            ("CAD", by_cad, CAD),
         ):
             if motion:
-                ghost = DrawnRobot(server, name, scene, colour)
+                ghost = DrawnRobot(server, f"/{name.lower()}", scene, colour)
+                self._ghosts[name] = ghost
                 self._robots.append((ghost, placed(scene, motion, angles)))
         found = centroidal_momentum(replay.model, measured) if replay.model else None
         if found:
             self._origins = found.r_cm
         self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
-        self._arrows = found and Arrows(server, found, self._stage.size)
-        paths = {"S": measured.r_S}
+        paths, self._arrows = {"S": measured.r_S}, list[Arrows]()
         if found:
+            self._arrows = [Arrows(server, found, self._stage.size)]
             paths["system CM"] = found.r_cm
         self._trails = Trails(server, paths | tips(scene.robot, at))
         self._ellipsoids = _ellipsoids(server, scene, replay, measured)
@@ -206,10 +208,12 @@ class ReplayPage:
 
     def _add_choices(self, gui: Any) -> None:
         self._follow = gui.add_checkbox("Follow", True)
-        names = ("Predicted", "CAD")[: len(self._robots) - 1]
-        self._ghosts = [gui.add_checkbox(name, True) for name in names]
+        ghosts = [
+            (gui.add_checkbox(name, True), ghost.show)
+            for name, ghost in self._ghosts.items()
+        ]
         self._named = gui.add_checkbox("Names", False)
-        self._inertia = gui.add_checkbox(
+        inertia = gui.add_checkbox(
             "Inertia",
             False,
             hint="Ellipsoids of even density with the system's mass, CM and inertia: "
@@ -217,13 +221,18 @@ class ReplayPage:
             "each half axis of the blue one may be",
             visible=bool(self._ellipsoids),
         )
-        self._vectors = gui.add_checkbox(
-            "Momentum", True, visible=self._arrows is not None
-        )
-        if self._arrows:
-            gui.add_html(self._arrows.legend())
+        vectors = gui.add_checkbox("Momentum", True, visible=bool(self._arrows))
+        for arrows in self._arrows:
+            gui.add_html(arrows.legend())
         self._traced = gui.add_checkbox("Trails", False)
         gui.add_html(self._trails.legend())
+        self._switches = [
+            *ghosts,
+            (self._named, self._robots[0][0].show_names),
+            *((inertia, each.show) for each in self._ellipsoids),
+            *((vectors, each.show) for each in self._arrows),
+            (self._traced, self._trails.show),
+        ]
 
     def _end(self) -> None:
         if self._loop.value:
@@ -247,10 +256,10 @@ class ReplayPage:
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
                 self._end()
-        boxes = self._follow, self._named, self._inertia, self._vectors, self._traced
-        wanted = self._time.value, *(box.value for box in (*boxes, *self._ghosts))
+        boxes = self._follow, *(box for box, _ in self._switches)
+        wanted = self._time.value, *(box.value for box in boxes)
         if wanted != self._shown:
-            self._show(*wanted)
+            self._show()
             self._shown = wanted
             self._pictures += 1
         settled = not self._playing or self._pictures % PLOTS_EVERY == 0
@@ -264,32 +273,17 @@ class ReplayPage:
         chosen = self._speed.value
         return float(chosen) if chosen in SPEEDS else 1.0
 
-    def _show(
-        self,
-        t: float,
-        follow: bool,
-        named: bool,
-        inertia: bool,
-        vectors: bool,
-        traced: bool,
-        *ghosts: bool,
-    ) -> None:
-        k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
-        origin = self._origins[k if follow else 0]
+    def _show(self) -> None:
+        t, shown = self._motion.t, self._time.value
+        k = min(int(np.searchsorted(t, shown)), t.size - 1)
+        origin = self._origins[k if self._follow.value else 0]
         self._stage.move_to(origin)
         for robot, poses in self._robots:
             robot.move_to(poses.R[k], poses.p[k] - origin)
-        for (ghost, _), visible in zip(self._robots[1:], ghosts, strict=True):
-            ghost.show(visible)
-        self._robots[0][0].show_names(named)
-        if self._arrows:
-            self._arrows.move_to(k, origin)
-            self._arrows.show(vectors)
-        self._trails.move_to(k, origin)
-        self._trails.show(traced)
-        for ellipsoid in self._ellipsoids:
-            ellipsoid.move_to(k, origin)
-            ellipsoid.show(inertia)
+        for each in (*self._arrows, self._trails, *self._ellipsoids):
+            each.move_to(k, origin)
+        for box, show in self._switches:
+            show(box.value)
 
 
 def _ellipsoids(
