@@ -62,7 +62,12 @@ def link_tree(urdf: Urdf, base_link: str | None = None) -> LinkTree:
         tree = replace(tree, base=_below_world(tree))
     else:
         tree = _rerooted(tree, urdf, above, base_link)
-    _refuse_unactuated(tree)
+    for joint in _depth_first(tree, tree.base):
+        if joint.kind in _UNACTUATED:
+            raise InputError(
+                f"{tree.place}: joint '{joint.name}' is {joint.kind}; below the "
+                "base only revolute, continuous, prismatic and fixed joints work"
+            )
     return tree
 
 
@@ -133,7 +138,12 @@ def _rerooted(
     while link in above:
         joint = above[link]
         if joint.kind in _UNACTUATED:
-            _require_only_world_above(tree, joint, base)
+            if _below_world(tree) != joint.child:
+                raise InputError(
+                    f"{tree.place}: base_link '{base}' hangs below joint "
+                    f"'{joint.name}' ({joint.kind}), but what is above has mass or "
+                    "other joints; only a massless root may be left out"
+                )
             del joints[joint.name]
             break
         if joint.kind != "fixed":
@@ -141,38 +151,11 @@ def _rerooted(
                 f"{tree.place}: base_link '{base}' hangs below joint '{joint.name}' "
                 f"({joint.kind}); give a link that is fixed to '{tree.base}'"
             )
-        joints[joint.name] = _turned_round(joint)
+        # x_P = R x_C + p  <=>  x_C = R^T x_P - R^T p
+        R, p = joint.R.T, -joint.R.T @ joint.p
+        joints[joint.name] = replace(joint, parent=link, child=joint.parent, R=R, p=p)
         link = joint.parent
     return replace(tree, base=base, children=_children(joints.values()))
-
-
-def _require_only_world_above(tree: LinkTree, joint: UrdfJoint, base: str) -> None:
-    if _below_world(tree) != joint.child:
-        raise InputError(
-            f"{tree.place}: base_link '{base}' hangs below joint '{joint.name}' "
-            f"({joint.kind}), but what is above has mass or other joints; only a "
-            "massless root may be left out"
-        )
-
-
-def _turned_round(joint: UrdfJoint) -> UrdfJoint:
-    # x_P = R x_C + p  <=>  x_C = R^T x_P - R^T p
-    return replace(
-        joint,
-        parent=joint.child,
-        child=joint.parent,
-        R=joint.R.T,
-        p=-joint.R.T @ joint.p,
-    )
-
-
-def _refuse_unactuated(tree: LinkTree) -> None:
-    for joint in _depth_first(tree, tree.base):
-        if joint.kind in _UNACTUATED:
-            raise InputError(
-                f"{tree.place}: joint '{joint.name}' is {joint.kind}; below the "
-                "base only revolute, continuous, prismatic and fixed joints work"
-            )
 
 
 @dataclass(frozen=True)

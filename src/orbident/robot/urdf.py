@@ -94,20 +94,15 @@ def urdf_text(tree: Urdf) -> str:
     """The URDF that has these links and joints; `read_urdf` gives them back."""
     root = ET.Element("robot", name=tree.name)
     for link in tree.links:
-        root.append(_link(link))
+        element = ET.SubElement(root, "link", name=link.name)
+        if link.mass or link.I_com.any():
+            element.append(inertial_element(link.mass, link.com, link.I_com))
     for joint in tree.joints:
         root.append(_joint(joint))
         if joint.gear is not None:
             root.append(_transmission(joint.name, joint.gear))
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
-
-
-def _link(link: UrdfLink) -> ET.Element:
-    element = ET.Element("link", name=link.name)
-    if link.mass or link.I_com.any():
-        element.append(inertial_element(link.mass, link.com, link.I_com))
-    return element
 
 
 def inertial_element(

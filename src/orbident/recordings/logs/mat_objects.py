@@ -53,11 +53,10 @@ def with_objects(tree: Tree, path: Path, stack: ExitStack) -> Tree:
             seconds=_SECONDS,
             megabytes=_MEGABYTES,
         )
-    except (InputError, ConfinedError) as error:
-        return {**tree, **{name: _unread(tree[name], str(error)) for name in names}}
-    except RuntimeError:
-        words = "it cannot be read"
-        return {**tree, **{name: _unread(tree[name], words) for name in names}}
+    except (InputError, RuntimeError) as error:
+        known = isinstance(error, InputError | ConfinedError)
+        why = str(error) if known else "it cannot be read"
+        return {**tree, **{name: _unread(tree[name], why) for name in names}}
     return {**tree, **{name: _kept(node, folder) for name, node in found.items()}}
 
 

@@ -23,7 +23,7 @@ from orbident.recordings.tables import check_writable, write_blocks
 from orbident.recordings.topics.fields import missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.survey import open_source
-from orbident.recordings.topics.timing import Timed, check_times, common_rows, timed
+from orbident.recordings.topics.timing import Timed, common_rows, timed
 from orbident.recordings.topics.topic_map import load_topic_map
 from orbident.recordings.topics.track import Track
 
@@ -272,7 +272,7 @@ def convert_file(
             _collect(source, tracks, mapped, said)
             place = str(source.path)
             used = [timed(*track.finished(place), place) for track in tracks]
-            check_times(place, used)
+
             report = _written(used, str(file), out, said)
         finally:
             for track in tracks:
@@ -318,6 +318,8 @@ def _written(
     used: Sequence[Timed], file: str, out: Path, said: Callable[[float], None]
 ) -> ConversionReport:
     rows, indices = common_rows([each.stamps for each in used])
+    if rows.size < 2:
+        raise InputError(f"{file}: has a single sample; at least 2 are needed")
     names = ["t", *(name for each in used for name in each.values.entry.columns)]
     empty, reasons = zip(*map(emptied, used), strict=True)
     write_blocks(out, names, _blocks(used, empty, rows, indices, said))

@@ -198,17 +198,6 @@ def _same(
     return ((a == b) | (np.isnan(a) & np.isnan(b))).all(axis=1)
 
 
-def check_times(place: str, all_timed: list[Timed]) -> None:
-    """Refuses what is no recording yet.
-
-    Raises:
-        InputError: Fewer than two stamps in all.
-    """
-    distinct = {int(s) for each in all_timed for s in each.stamps[:2]}
-    if len(distinct) < 2:
-        raise InputError(f"{place}: has a single sample; at least 2 are needed")
-
-
 def common_rows(stamps: Sequence[Stamps]) -> tuple[Stamps, list[Stamps]]:
     """Rows for stamps of several sensors; those within `SAME_TIME` share one.
 
