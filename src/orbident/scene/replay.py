@@ -360,12 +360,8 @@ def reaction(
     Then `D w + D_q qd = 0` (Eq. 18): where the base gets to depends on the way of the
     joints, not on their time. Joint positions before and after are in rad or m.
     """
-    at_rest = BaseState(
-        angular_velocity=np.zeros(3),
-        attitude=base.x_WB,
-        velocity=np.zeros(3),
-        wheel_speed=np.zeros(len(robot.wheels)),
-    )
+    still, wheels = np.zeros(3), np.zeros(len(robot.wheels))
+    at_rest = BaseState(still, base.x_WB, still, wheels)
     t = np.linspace(0.0, 1.0, NODES)
     moved = free_floating(robot, Straight(start, end), t, at_rest)
     return BasePose(moved.attitude[-1], base.r_S + moved.r_S[-1])

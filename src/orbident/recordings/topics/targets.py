@@ -22,7 +22,7 @@ from orbident.recordings.columns import (
     part_of,
     vector_columns,
 )
-from orbident.recordings.topics.entry import TURNED, product
+from orbident.recordings.topics.entry import TURNED
 from orbident.robot.units import UNITS
 
 DIMENSIONS: Mapping[str, Mapping[str, float]] = {
@@ -192,22 +192,17 @@ class Target:
             return raw * self.si
         if self.unit == "mrp":
             return of_mrp(raw)
-        return _of_angles(raw * self.si)
+        # Late: the import takes as long as that of all the rest.
+        from scipy.spatial.transform import Rotation
+
+        # R = R_z(yaw) R_y(pitch) R_x(roll)
+        return Rotation.from_euler("xyz", raw * self.si).as_quat()
 
 
 def of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
     """`x = (2 s, 1 - s.s) / (1 + s.s)`, modified Rodrigues parameters."""
     square = np.sum(sigma**2, axis=1, keepdims=True)
     return np.hstack([2 * sigma, 1 - square]) / (1 + square)
-
-
-def _of_angles(angles: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
-    """`R = R_z(yaw) R_y(pitch) R_x(roll)`."""
-    x = np.zeros((3, len(angles), 4))
-    for axis in range(3):
-        x[axis, :, axis] = np.sin(angles[:, axis] / 2)
-        x[axis, :, 3] = np.cos(angles[:, axis] / 2)
-    return product(x[2], product(x[1], x[0]))
 
 
 def dimension_of(column: str) -> str:

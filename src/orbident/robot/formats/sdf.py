@@ -271,10 +271,15 @@ class _SdfReader:
             raise InputError(f"{where}: <{tag}> is missing; add it")
         return text
 
-    def _number(self, element: ET.Element, tag: str, where: str) -> float:
-        """The number in this child; zero without it."""
-        text = element.findtext(tag, "0")
-        return numbers_in(text, 1, f"{where}: <{tag}>")[0]
+    def _number(
+        self, element: ET.Element, tag: str, where: str, default: float = 0.0
+    ) -> float:
+        """The number in this child; the default without it."""
+        text = element.findtext(tag)
+        if text is None:
+            return default
+        bounded = element.tag != "limit"
+        return numbers_in(text, 1, f"{where}: <{tag}>", bounded=bounded)[0]
 
     def _given(
         self, element: ET.Element, tag: str, otherwise: str, where: str
@@ -363,19 +368,13 @@ class _SdfReader:
         limit = axis.find("limit")
         if limit is None:
             return None, None
-        lower = self._limit(limit, "lower", -math.inf, where)
-        upper = self._limit(limit, "upper", math.inf, where)
-        velocity = self._limit(limit, "velocity", -1.0, where)
+        lower = self._number(limit, "lower", where, -math.inf)
+        upper = self._number(limit, "upper", where, math.inf)
+        velocity = self._number(limit, "velocity", where, -1.0)
 
         free = kind == "continuous" or lower == upper or max(-lower, upper) > LARGEST
         moves = 0 < velocity <= LARGEST
         return None if free else (lower, upper), velocity if moves else None
-
-    def _limit(self, limit: ET.Element, tag: str, default: float, where: str) -> float:
-        text = limit.findtext(tag)
-        if text is None:
-            return default
-        return numbers_in(text, 1, f"{where}: <{tag}>", bounded=False)[0]
 
 
 def _joint_frame(joint: str) -> str:
