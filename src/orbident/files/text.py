@@ -6,6 +6,7 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
 from orbident.errors import InputError
+from orbident.files.names import one_line
 
 MOST = 2**28
 """Bytes of a text file: a device without an end would fill the memory."""
@@ -67,9 +68,7 @@ def unreadable(path: Path, error: OSError) -> InputError:
 
 def reason_of(error: OSError) -> str:
     """The system's words alone: libraries put their own before them."""
-    if error.errno:
-        return os.strerror(error.errno)
-    return " ".join(str(error).split()) or type(error).__name__
+    return os.strerror(error.errno) if error.errno else one_line(error)
 
 
 def refuse_pipe(path: Path, what: str) -> None:

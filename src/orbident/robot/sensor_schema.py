@@ -92,7 +92,6 @@ class Sampled(MappingSchema):
 
         One sample comes `dt` after the other, s.
         """
-        del dt
         return getattr(self, "white_noise", 0.0)
 
     @property
@@ -243,7 +242,6 @@ class EncoderSpec(Sampled):
 
     def white_std(self, dt: float = 1.0) -> float:
         """That of an angle: its noise, and that of counts, `resolution / sqrt(12)`."""
-        del dt
         count = (self.resolution or 0.0) / math.sqrt(12)
         return math.hypot(self.white_noise or 0.0, count)
 

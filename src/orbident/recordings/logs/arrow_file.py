@@ -147,7 +147,6 @@ def _vectors(cells: Sequence[str | None]) -> LogField | Tree:
 
 def read_parquet_log(path: Path, stack: ExitStack) -> Tree:
     """Columns by name."""
-    del stack
     with pa.OSFile(os.fsencode(path)) as file:
         table = parquet.read_table(file)
     names = table.column_names
@@ -165,7 +164,6 @@ def read_text_table(path: Path, stack: ExitStack) -> Tree:
         InputError: the first lines are not UTF-8, a row has another number of cells, or
             a name is given twice.
     """
-    del stack
     dialect = text_dialect(path)
     try:
         table = _table(path, dialect, arrow_csv.ParseOptions(delimiter=dialect.mark))

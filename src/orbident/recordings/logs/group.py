@@ -138,7 +138,6 @@ class Group:
 
     def decoder(self, place: str) -> Callable[[Any], Any]:
         """A table is taken as it is."""
-        del place
         return lambda table: table
 
     @property

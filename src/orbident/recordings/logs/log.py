@@ -87,7 +87,6 @@ def read_ulog(path: Path, stack: ExitStack) -> Tree:
         InputError: Another version, or damage in the middle.
         MissingLibraryError: pyulog is not installed.
     """
-    del stack
     with extra("ulog", "reading a PX4 log"):
         from pyulog import ULog
     with path.open("rb") as file:

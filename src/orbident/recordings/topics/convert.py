@@ -111,11 +111,7 @@ class ConversionReport:
         """As `orbident convert --json` writes it."""
         return {
             "schema": "orbident/conversion/1",
-            "file": self.file,
-            "recording": self.recording,
-            "samples": self.samples,
-            "start_ns": self.start_ns,
-            "duration": self.duration,
+            **vars(self),
             "topics": [{**vars(x), "columns": list(x.columns)} for x in self.topics],
             "warnings": list(self.warnings),
         }

@@ -125,17 +125,14 @@ class Entry(MappingSchema):
     @staticmethod
     def labels(message: Any) -> tuple[str, ...]:
         """The labels that a message has."""
-        del message
         return ()
 
     def samples(self, message: Any) -> Iterator[Extraction]:
         """What a message holds; nothing of a table, whose rows come as arrays."""
-        del message
         return iter(())
 
     def lacked(self, message: Any, column: str) -> str:
         """What a message lacks of a column, in words; empty if that is nothing."""
-        del message, column
         return ""
 
     @abstractmethod
