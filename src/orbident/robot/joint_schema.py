@@ -181,45 +181,42 @@ RotorSection = Annotated[
 """As a robot file has it: rotors by joint, or `none`."""
 
 
-def rotors_by_joint(
-    given: Mapping[str, GearedRotor],
+def check_rotors(
+    rotors: Mapping[str, GearedRotor],
     joints: Sequence[Joint],
     bodies: Sequence[str],
     structure: Mapping[str, Structure],
     place: str,
-) -> dict[str, GearedRotor]:
-    """The rotors of a robot's joints, all of them where the file says `none`.
+) -> None:
+    """Refuse rotors that joints cannot have.
 
     Raises:
         InputError: the joint slides, or a rotor is beside a massless body, or has
             another axis than those of a body without products of inertia.
     """
-    if given == {EVERY: NO_ROTOR}:
-        return dict.fromkeys([joint.name for joint in joints], NO_ROTOR)
-    at = {joint.name: k for k, joint in enumerate(joints)}
-    for name, rotor in given.items():
-        joint = joints[at[name]]
-        if joint.kind == "prismatic" and rotor != NO_ROTOR:
+    for k, joint in enumerate(joints, start=1):
+        name = joint.name
+        if rotors.get(name, NO_ROTOR) == NO_ROTOR:
+            continue
+        if joint.kind == "prismatic":
             raise InputError(
                 f"{place}: rotors.{name}: the joint slides, and only rotors that turn "
                 "with a joint that turns are known here; leave it out"
             )
-        axes = {at[name] + 1: joint.axis, joint.parent: joint.R_PJ @ joint.axis}
+        axes = {k: joint.axis, joint.parent: joint.R_PJ @ joint.axis}
         for body, a in axes.items():
             known = structure.get(bodies[body], Structure())
-            if known.massless and rotor != NO_ROTOR:
+            if known.massless:
                 raise InputError(
                     f"{place}: rotors.{name}: '{bodies[body]}' is massless, so that "
                     "what the rotor adds to momentum has no place; leave out one"
                 )
-            off_axis = np.abs(a).max() < 1 - ALONG
-            if known.principal_axes and rotor != NO_ROTOR and off_axis:
+            if known.principal_axes and np.abs(a).max() < 1 - ALONG:
                 raise InputError(
                     f"{place}: rotors.{name}: its axis is none of '{bodies[body]}', so "
                     f"that momentum shows products of inertia: leave principal_axes "
                     f"out of structure.{bodies[body]}"
                 )
-    return dict(given)
 
 
 def armature_stds(

@@ -1,6 +1,6 @@
 """Loads and writes robots: bundled names, models of other tools and robot files."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -36,9 +36,9 @@ from orbident.robot.joint_schema import (
     armature_stds,
     check_driven,
     check_passive,
+    check_rotors,
     couplings_of,
     proposed_rotors,
-    rotors_by_joint,
     with_flexible_joints,
 )
 from orbident.robot.oddities import contradictions, nonphysical
@@ -76,12 +76,12 @@ def assembled(
             f"{urdf.place}: no link has mass; give nominal values in <inertial>"
         )
     names = [joint.name for joint in bodies.joints]
-    _check_names(file, names, bodies.names, place)
+    none = file.rotors == {EVERY: NO_ROTOR}
+    rotors = dict.fromkeys(names, NO_ROTOR) if none else file.rotors
+    _check_names(file, rotors, bodies, place)
     couplings, uncoupled = couplings_of(urdf, names)
     check_passive(file.passive, couplings, place)
-    rotors = rotors_by_joint(
-        file.rotors, bodies.joints, bodies.names, file.structure, place
-    )
+    check_rotors(rotors, bodies.joints, bodies.names, file.structure, place)
     driven = {"friction": file.friction, "torque_constants": file.torque_constants}
     check_driven(driven, file.passive, place)
     friction = {name: file.friction.get(name, NO_FRICTION) for name in names}
@@ -178,7 +178,7 @@ def _limited(
 
 
 def _check_names(
-    file: RobotFile, joints: Sequence[str], bodies: Sequence[str], place: str
+    file: RobotFile, rotors: Collection[str], bodies: Bodies, place: str
 ) -> None:
     """Refuse what a section says of a body or a joint that the robot does not have."""
     of_bodies = {
@@ -186,8 +186,6 @@ def _check_names(
         "pads": file.pads,
         "known: bodies": file.known.bodies,
     }
-    # That no motor has a gear may be said without names.
-    rotors = {} if file.rotors == {EVERY: NO_ROTOR} else file.rotors
     of_joints = {
         "passive": file.passive,
         "rotors": rotors,
@@ -196,8 +194,8 @@ def _check_names(
         "limits": file.limits,
     }
     for sections, known, one, several in (
-        (of_bodies, bodies, "body", "bodies"),
-        (of_joints, joints, "joint", "joints"),
+        (of_bodies, bodies.names, "body", "bodies"),
+        (of_joints, [joint.name for joint in bodies.joints], "joint", "joints"),
     ):
         for section, named in sections.items():
             for name in named:
