@@ -214,12 +214,8 @@ def fused(
             )
             names.append(joint.child)
             theta.append(theta_link)
-    return Bodies(
-        tuple(names),
-        tuple(joints),
-        np.array(theta).reshape(-1, PER_BODY),
-        placements,
-    )
+    stacked = np.array(theta).reshape(-1, PER_BODY)
+    return Bodies(tuple(names), tuple(joints), stacked, placements)
 
 
 def _depth_first(tree: LinkTree, root: str) -> Iterator[UrdfJoint]:

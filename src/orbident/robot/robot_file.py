@@ -25,13 +25,7 @@ from orbident.robot.description import (
     Wheel,
 )
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
-from orbident.robot.fusing import (
-    Bodies,
-    LinkTree,
-    fused,
-    link_tree,
-    wheel_on_joint,
-)
+from orbident.robot.fusing import Bodies, LinkTree, fused, link_tree, wheel_on_joint
 from orbident.robot.joint_schema import (
     armature_stds,
     check_driven,

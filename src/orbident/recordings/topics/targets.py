@@ -226,11 +226,9 @@ def target_of(name: str, unit: object) -> Target:
                 + ", ".join(_ATTITUDES)
             )
         width, example = _ATTITUDES[unit]
-        columns = vector_columns(name)
-        if unit not in DIMENSIONS["angle"]:
-            return Target(name, unit, columns, width, example)
-        si = DIMENSIONS["angle"][unit]
-        return Target(name, unit, columns, width, example, si, "angle")
+        si = DIMENSIONS["angle"].get(unit)
+        in_angles = () if si is None else (si, "angle")
+        return Target(name, unit, vector_columns(name), width, example, *in_angles)
     dimensions = _dimensions(name)
     try:
         found = unit_of(*dimensions)(unit)
