@@ -226,9 +226,9 @@ def target_of(name: str, unit: object) -> Target:
                 + ", ".join(_ATTITUDES)
             )
         width, example = _ATTITUDES[unit]
-        si = DIMENSIONS["angle"].get(unit)
-        in_angles = () if si is None else (si, "angle")
-        return Target(name, unit, vector_columns(name), width, example, *in_angles)
+        si = DIMENSIONS["angle"].get(unit, 1.0)
+        of = "angle" if unit in DIMENSIONS["angle"] else ""
+        return Target(name, unit, vector_columns(name), width, example, si, of)
     dimensions = _dimensions(name)
     try:
         found = unit_of(*dimensions)(unit)
