@@ -21,7 +21,7 @@ from orbident.recordings.csv_table import (
     opened_table,
     text_dialect,
 )
-from orbident.recordings.logs.group import LogField, Tree, field_of, unusable
+from orbident.recordings.logs.group import LogField, Tree, in_memory, unusable
 
 # Its functions are made when it is imported, where no type checker sees them.
 pc: Any = pyarrow.compute
@@ -78,8 +78,7 @@ def _field(column: pa.ChunkedArray, unit: str) -> LogField | Tree:
 def _plain(column: pa.ChunkedArray, unit: str) -> LogField | Tree:
     if column.null_count and not pa.types.is_floating(column.type):
         column = column.cast(pa.float64())
-    values = column.to_numpy()
-    return field_of(values.shape, values.dtype, lambda: values, unit)
+    return in_memory(column.to_numpy(), unit)
 
 
 def _of_text(column: pa.ChunkedArray) -> LogField | Tree:
@@ -139,10 +138,9 @@ def _vectors(cells: Sequence[str | None]) -> LogField | Tree:
             )
         rows.append(row if cell else ["nan"] * width)
     try:
-        values = np.array(rows, dtype=np.float64)
+        return in_memory(np.array(rows, dtype=np.float64))
     except ValueError:
         return unusable("holds vectors of text; write numbers in them")
-    return field_of(values.shape, values.dtype, lambda: values)
 
 
 def read_parquet_log(path: Path, stack: ExitStack) -> Tree:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.files.names import one_line, quoted, suggestion
+from orbident.files.names import one_line, suggestion
 from orbident.recordings.columns import split_name, written_unit
 
 TIME_NAMES = ("t", "time", "times", "timestamp", "stamp", "tout", "time_s", "sec")
@@ -96,13 +96,8 @@ def field_of(
     return LogField(tuple(sizes), read, "ns" if dtype.kind == "M" else unit, problem)
 
 
-def in_memory(array: Any, unit: str = "") -> LogField | Tree:
+def in_memory(array: np.ndarray, unit: str = "") -> LogField | Tree:
     """An array that is read already."""
-    array = np.asarray(array)
-    if array.dtype.kind in "SUO":
-        texts = [each for each in array.flat if isinstance(each, str | bytes)]
-        what = f"holds text, {quoted(texts[0])}" if texts else "holds no numbers"
-        return unusable(f"{what}; write it as numbers")
     return field_of(array.shape, array.dtype, lambda: array, unit)
 
 

@@ -249,26 +249,23 @@ def convert_file(
     entries = load_topic_map(path, mapped)
     said = progress or (lambda fraction: None)
     with open_source(Path(file)) as source:
-        missing = {
-            number: found
-            for number, entry in enumerate(entries)
-            if is_preset and (found := missing_of(entry, source.topics))
-        }
-        if len(missing) == len(entries):
+        missing = [
+            missing_of(entry, source.topics) if is_preset else None for entry in entries
+        ]
+        if all(missing):
             raise InputError(
                 f"{source.path}: has none of the topics of {mapped}, only "
                 f"{listed(source.topics)}; write a map: 'orbident topics' proposes one"
             )
         tracks = [
             Track(entry, out)
-            for number, entry in enumerate(entries)
-            if number not in missing
+            for entry, lacked in zip(entries, missing, strict=True)
+            if not lacked
         ]
         try:
             _collect(source, tracks, mapped, said)
             place = str(source.path)
             used = [timed(*track.finished(place), place) for track in tracks]
-
             report = _written(used, str(file), out, said)
         finally:
             for track in tracks:
@@ -276,7 +273,7 @@ def convert_file(
     left_out = [
         f"{mapped}: the file has no {kind} {listed(dict.fromkeys(names))}: left out"
         for kind in ("topic", "field")
-        if (names := [name for what, name in missing.values() if what == kind])
+        if (names := [name for what, name in filter(None, missing) if what == kind])
     ]
     warnings = (*source.notes, *left_out, *report.warnings)
     return replace(report, warnings=warnings)

@@ -100,17 +100,15 @@ def survey_file(
         InputError: It is of no kind that can be read, damaged or empty.
     """
     with open_source(Path(file)) as opened:
-        names = sorted(opened.topics)
         looked = _looked_through(opened, progress or (lambda fraction: None))
-        topics = [opened.topics[name] for name in names]
         return tuple(
             replace(
                 _surveyed_table(topic)
                 if isinstance(topic, Group)
-                else _surveyed(topic, looked[topic.name]),
+                else _surveyed(topic, looked[name]),
                 notes=opened.notes,
             )
-            for topic in topics
+            for name, topic in sorted(opened.topics.items())
         )
 
 
