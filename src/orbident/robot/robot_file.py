@@ -70,6 +70,7 @@ def assembled(
             f"{urdf.place}: no link has mass; give nominal values in <inertial>"
         )
     names = [joint.name for joint in bodies.joints]
+    # That no motor has a gear may be said without names.
     none = file.rotors == {EVERY: NO_ROTOR}
     rotors = dict.fromkeys(names, NO_ROTOR) if none else file.rotors
     _check_names(file, rotors, bodies, place)

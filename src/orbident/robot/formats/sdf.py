@@ -148,7 +148,7 @@ _PREFIX = re.compile(r"(?:</?|\s(?=[\w.-]+:[\w.-]+\s*=\s*['\"]))[\w.-]+:(?=\w)")
 def read_sdf(text: str, place: str) -> Urdf:
     """The links and joints of the one model of an SDF file. No mesh is opened.
 
-    What a URDF may not say either, as of limits and axes, is left to `read_urdf`.
+    Limits of which the lower one is above the other are left to `read_urdf`.
 
     Raises:
         InputError: malformed XML, no model or several, models in the model or by
@@ -352,15 +352,17 @@ class _SdfReader:
         return Mimic(leader, multiplier, offset - multiplier * reference)
 
     def _axis(self, joint: str, axis: ET.Element, where: str) -> Float[np.ndarray, "3"]:
-        """The vector in the model's axes; `read_urdf` makes its length one."""
+        """The unit vector in the model's axes."""
         xyz = axis.find("xyz")
         text = "0 0 1" if xyz is None else str(xyz.text)
         vector = np.array(numbers_in(text, 3, f"{where}: <xyz>"))
-
+        norm = float(np.linalg.norm(vector))
+        if norm < SMALLEST:
+            raise InputError(f"{where}: found axis 0 0 0; give a nonzero vector")
         said = None if xyz is None else xyz.get("expressed_in")
         old = (axis.findtext("use_parent_model_frame") or "").strip() in YES
         frame = said or (MODEL if old or self.in_model_axes else _joint_frame(joint))
-        return self.frames.pose(frame).R @ vector
+        return self.frames.pose(frame).R @ vector / norm
 
     def _limits(
         self, axis: ET.Element, kind: str, where: str
@@ -371,7 +373,6 @@ class _SdfReader:
         lower = self._number(limit, "lower", where, -math.inf)
         upper = self._number(limit, "upper", where, math.inf)
         velocity = self._number(limit, "velocity", where, -1.0)
-
         free = kind == "continuous" or lower == upper or max(-lower, upper) > LARGEST
         moves = 0 < velocity <= LARGEST
         return None if free else (lower, upper), velocity if moves else None
