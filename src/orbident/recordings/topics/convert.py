@@ -284,12 +284,12 @@ def _collect(
 ) -> None:
     """All samples to the tracks of their topics; three quarters of the work."""
     fed: dict[str, list[Track]] = defaultdict(list)
-    for number, track in enumerate(tracks):
+    for track in tracks:
         entry = track.entry
         found = source.topic(entry.topic).type
         if found != entry.type:
             raise InputError(
-                f"{place}: topics[{number}] ({entry.topic}): type: found {entry.type}, "
+                f"{place}: topic {entry.topic}: type: found {entry.type}, "
                 f"but it is {found} in {source.path}; correct it"
             )
         fed[entry.topic].append(track)

@@ -23,7 +23,14 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.files.names import quoted, suggestion
-from orbident.robot.urdf import Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
+from orbident.robot.urdf import (
+    UNLIMITED,
+    Mimic,
+    Urdf,
+    UrdfJoint,
+    UrdfLink,
+    rotation_of,
+)
 from orbident.robot.urdf_reader import numbers_in, parsed_xml, unique_names
 
 MODEL = "__model__"
@@ -373,9 +380,10 @@ class _SdfReader:
         lower = self._number(limit, "lower", where, -math.inf)
         upper = self._number(limit, "upper", where, math.inf)
         velocity = self._number(limit, "velocity", where, -1.0)
-        free = kind == "continuous" or lower == upper or max(-lower, upper) > LARGEST
+        free = kind == "continuous" or lower == upper or min(-lower, upper) > LARGEST
+        ends = max(lower, -UNLIMITED), min(upper, UNLIMITED)
         moves = 0 < velocity <= LARGEST
-        return None if free else (lower, upper), velocity if moves else None
+        return None if free else ends, velocity if moves else None
 
 
 def _joint_frame(joint: str) -> str:

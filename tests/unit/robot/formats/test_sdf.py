@@ -273,6 +273,7 @@ def test_limits(tmp_path: Path):
         (-1, 2, "<velocity>0.5</velocity>", (-1.0, 2.0), 0.5),
         (-1e16, 1e16, "<velocity>-1</velocity>", None, None),
         ("-inf", "inf", "", None, None),
+        (-1, 1e16, "", (-1.0, np.inf), None),
     ):
         text = sdf(
             link("base"),
