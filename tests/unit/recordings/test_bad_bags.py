@@ -195,7 +195,7 @@ def test_topic_that_is_not_there(tmp_path):
 def test_topic_of_another_type(tmp_path):
     bag = write_bag("ros1", tmp_path, SENT)
     line = refusal(tmp_path, bag, JOINTS.replace("/js", "/imu"))
-    assert "map.yaml: topics[0] (/imu): type: found sensor_msgs/JointState" in line
+    assert "map.yaml: topic /imu: type: found sensor_msgs/JointState" in line
     assert "but it is sensor_msgs/Imu in" in line
 
 
