@@ -8,7 +8,7 @@ little else. Its URDF has other inertias, and is read again as proof that it mea
 """
 
 import xml.etree.ElementTree as ET
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from itertools import count
 from typing import Literal, NamedTuple
@@ -56,8 +56,6 @@ class Links(NamedTuple):
     tree: LinkTree
     placements: dict[str, Placement]
     """Where each link is in its body; the base's frame is the base link's, not at S."""
-    wheels: frozenset[str]
-    """Links that turn with a wheel."""
 
 
 def links_of(robot: Robot) -> Links:
@@ -73,29 +71,7 @@ def links_of(robot: Robot) -> Links:
     file = validated(RobotFile, dict(robot.document), robot.name)
     tree = link_tree(read_urdf(robot.urdf, robot.name), file.base_link)
     held = frozenset(wheel.joint for wheel in file.wheels if wheel.joint is not None)
-    roots = [
-        joint.child
-        for below in tree.children.values()
-        for joint in below
-        if joint.name in held
-    ]
-    wheels = [link for root in roots for link in fused(tree, root).placements]
-    return Links(tree, fused(tree, held=held).placements, frozenset(wheels))
-
-
-def wheel_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
-    """What the wheels that are links of their own add to each body's `theta`.
-
-    Raises:
-        InputError: the robot was not loaded from a URDF.
-    """
-    links = links_of(robot)
-    parts = np.zeros_like(robot.theta)
-    for name in links.wheels:
-        at = links.placements[name]
-        p = at.p - robot.feature_point
-        parts[at.body] += transformed(links.tree.links[name].theta, at.R, p)
-    return parts
+    return Links(tree, fused(tree, held=held).placements)
 
 
 def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
@@ -110,13 +86,14 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         InputError: the robot was not loaded from a URDF, or what was written does not
             read back with the same base parameters.
     """
-    links = links_of(robot)
-    own = theta - wheel_parts(robot)
+    placements, wheels = links_of(robot).placements, wheel_joints(robot).values()
+    turning = {link for wheel in wheels for link in wheel.links}
+    own = theta - parts_of_base(robot, wheels)
     own[0] = transformed(own[0], np.eye(3), robot.feature_point)
     root = parsed(robot.urdf)
     for link in root.findall("link"):
         name = link.get("name", "")
-        if name not in links.placements or name in links.wheels:
+        if name not in placements or name in turning:
             continue
         for inertial in link.findall("inertial"):
             link.remove(inertial)
@@ -177,6 +154,8 @@ class WheelJoint(NamedTuple):
     """and all links that turn with it."""
     p: Float[np.ndarray, "3"]
     """Where its joint is from S, base axes, m."""
+    theta: Float[np.ndarray, "10"]
+    """Of these links, about the joint, base axes, at a wheel angle of zero."""
 
 
 class WheelBody(NamedTuple):
@@ -199,9 +178,13 @@ def wheel_joints(robot: Robot) -> dict[int, WheelJoint]:
     found = {}
     for joint in (each for below in links.tree.children.values() for each in below):
         if joint.name in joints:
-            below = frozenset(fused(links.tree, joint.child).placements)
-            p = links.placements[joint.child].p - robot.feature_point
-            found[joints[joint.name]] = WheelJoint(joint.child, below, p)
+            wheel, at = fused(links.tree, joint.child), links.placements[joint.child]
+            found[joints[joint.name]] = WheelJoint(
+                joint.child,
+                frozenset(wheel.placements),
+                at.p - robot.feature_point,
+                transformed(wheel.theta[0], at.R, np.zeros(3)),
+            )
     return found
 
 
@@ -218,7 +201,7 @@ def wheel_bodies(robot: Robot) -> tuple[WheelBody, ...]:
 
 
 def parts_of_base(
-    robot: Robot, wheels: tuple[WheelBody, ...]
+    robot: Robot, wheels: Iterable[WheelJoint | WheelBody]
 ) -> Float[np.ndarray, "bodies 10"]:
     """What the wheels add to each body's `theta`: to the base alone."""
     parts = np.zeros_like(robot.theta)
@@ -235,21 +218,10 @@ def _wheel_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> WheelBo
         m = robot.theta[0, MASS]
         at_com = robot.theta[0, FIRST_MOMENT] / m if m > 0 else np.zeros(3)
         return WheelBody(f"{wheel.name}_rotor", at_com, ball)
-    theta = _of_links(robot, joint)
-    m = theta[MASS]
+    m = joint.theta[MASS]
     # What a URDF says of a wheel need not be possible.
-    possible = m > 0 and not nonphysical(wheel.name, m, inertia_about_com(theta))
-    return WheelBody(joint.root, joint.p, theta if possible else ball)
-
-
-def _of_links(robot: Robot, joint: WheelJoint) -> Float[np.ndarray, "10"]:
-    links = links_of(robot)
-    theta = np.zeros(PER_BODY)
-    for name in joint.links:
-        at = links.placements[name]
-        p = at.p - robot.feature_point - joint.p
-        theta += transformed(links.tree.links[name].theta, at.R, p)
-    return theta
+    possible = m > 0 and not nonphysical(wheel.name, m, inertia_about_com(joint.theta))
+    return WheelBody(joint.root, joint.p, joint.theta if possible else ball)
 
 
 NO_ARMATURE = (

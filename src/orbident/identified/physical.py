@@ -52,8 +52,8 @@ def nearest_to_one(
         MissingLibraryError: cvxpy is not installed.
     """
     cp = _cvxpy()
-    X = _matrices(cp, A)
-    return _solved(cp, X, _divergence(cp, X), [A @ _entries(cp, X) == b])
+    X, sides, divergence = _sought(cp, A)
+    return _solved(cp, X, divergence, [sides == b])
 
 
 def nearest_within(
@@ -71,27 +71,24 @@ def nearest_within(
         MissingLibraryError: cvxpy is not installed.
     """
     cp = _cvxpy()
-    X, z = _matrices(cp, A), cp.Variable(root.shape[1])
+    (X, sides, divergence), z = _sought(cp, A), cp.Variable(root.shape[1])
     off = cp.norm(z)
-    equations = [A @ _entries(cp, X) == b + root @ z]
+    equations = [sides == b + root @ z]
     bounded = [*equations, *(each >> SMALLEST * np.eye(4) for each in X)]
     if _solved(cp, X, off, bounded) is None or off.value > most:
         return None
     within = [*equations, off <= ROOM * float(off.value)]
-    found = _solved(cp, X, _divergence(cp, X), within)
+    found = _solved(cp, X, divergence, within)
     return None if found is None else (found, float(off.value))
 
 
-def _matrices(cp: ModuleType, A: Float[np.ndarray, "equations entries"]) -> list[Any]:
-    return [cp.Variable((4, 4), symmetric=True) for _ in range(A.shape[1] // 16)]
-
-
-def _entries(cp: ModuleType, X: list[Any]) -> Any:
-    return cp.hstack([cp.vec(each, order="C") for each in X])
-
-
-def _divergence(cp: ModuleType, X: list[Any]) -> Any:
-    return cp.sum([cp.trace(each) - cp.log_det(each) for each in X])
+def _sought(
+    cp: ModuleType, A: Float[np.ndarray, "equations entries"]
+) -> tuple[list[Any], Any, Any]:
+    """The matrices `X`, `A vec(X)`, and how far they are from one."""
+    X = [cp.Variable((4, 4), symmetric=True) for _ in range(A.shape[1] // 16)]
+    sides = A @ cp.hstack([cp.vec(each, order="C") for each in X])
+    return X, sides, cp.sum([cp.trace(each) - cp.log_det(each) for each in X])
 
 
 def _solved(

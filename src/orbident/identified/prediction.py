@@ -24,6 +24,7 @@ errors of instruments are held at what is given, and nothing acts but recorded t
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -107,8 +108,6 @@ def predict(result: Result, recording: Recording) -> Prediction:
         )
     require_measured(robot, "prediction", "identify every recording by itself")
     _check_sizes(result, sets)
-    regressors = sets.regressors
-    pi, phi = result.pi.values, result.phi.values
     # Clocks are the laboratory's, not the recording's.
     clean = cleaned(robot, recording, Settings()).recording
     t, measured = samples_of(robot, clean, corrections(result.clocks)).complete()
@@ -119,8 +118,8 @@ def predict(result: Result, recording: Recording) -> Prediction:
         )
 
     wheels = wheels_of(robot)
-    conserved = np.isin(np.arange(3), regressors.momentum_axes)
-    at = momentum_terms(regressors, pi, phi, measured.q, measured.qd)
+    conserved = np.isin(np.arange(3), sets.regressors.momentum_axes)
+    at = momentum_terms(result, measured.q, measured.qd)
     R_WB = quaternion_matrix(measured.x_WB)
     h_B = rotate(at.D, measured.w) + at.h_q + measured.qd_rw @ wheels.A_rw.T
     h_cm = np.where(conserved, rotate(R_WB, h_B).mean(axis=0), 0.0)
@@ -135,7 +134,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     def law_at(nodes: Float[np.ndarray, " m"]) -> RateLaw:
         q, qd, qd_rw = np.split(spline(nodes), [joints, 2 * joints], axis=1)
-        at = momentum_terms(regressors, pi, phi, q, qd)
+        at = momentum_terms(result, q, qd)
         h_moving = at.h_q + qd_rw @ wheels.A_rw.T
         return rate_law(at.D, h_moving, robot.motion == "planar")
 
@@ -159,32 +158,39 @@ class MomentumTerms(NamedTuple):
 
 
 def momentum_terms(
-    regressors: Regressors,
-    pi: Float[np.ndarray, " pi"],
-    phi: Float[np.ndarray, " phi"],
+    result: Result,
     q: Float[np.ndarray, "n joints"],
     qd: Float[np.ndarray, "n joints"],
 ) -> MomentumTerms:
     """`Y pi` and `W phi` at unit base rates and at the joints' rates (Eq. 16)."""
-    n = len(q)
-    D, V = np.zeros((2, n, 3, 3))
-    h_q, v_q = np.zeros((2, n, 3))
-    axes_h, axes_v = list(regressors.momentum_axes), list(regressors.velocity_axes)
-    for part in parts_of(n):
-        rest = np.zeros_like(q[part])
-        w = np.zeros((len(rest), 3))
-        Y, W = regressors(q[part], qd[part], w)
-        h_q[part, axes_h], v_q[part, axes_v] = Y @ pi, W @ phi
-        for k in axes_h:
-            Y, W = regressors(q[part], rest, w + np.eye(3)[k])
-            D[part, axes_h, k], V[part, axes_v, k] = Y @ pi, W @ phi
+    regressors = minimal_sets(result.robot).regressors
+    known = regressors, result.pi.values, result.phi.values
+    rest, w = np.zeros_like(q), np.zeros((len(q), 3))
+    h_q, v_q = _momentum_and_velocity(*known, q, qd, w)
+    D, V = np.zeros((2, len(q), 3, 3))
+    for k in regressors.momentum_axes:
+        unit = w + np.eye(3)[k]
+        D[..., k], V[..., k] = _momentum_and_velocity(*known, q, rest, unit)
     return MomentumTerms(D, h_q, V, v_q)
 
 
-def parts_of(n: int) -> Iterator[slice]:
-    """Consecutive samples: a regressor may have hundreds of columns a sample."""
-    for start in range(0, n, PART):
-        yield slice(start, start + PART)
+def _momentum_and_velocity(
+    regressors: Regressors,
+    pi: Float[np.ndarray, "pi ..."],
+    phi: Float[np.ndarray, "phi ..."],
+    q: Float[np.ndarray, "n joints"],
+    qd: Float[np.ndarray, "n joints"],
+    w: Float[np.ndarray, "n 3"],
+) -> tuple[Float[np.ndarray, "n 3 ..."], Float[np.ndarray, "n 3 ..."]]:
+    """`Y pi` and `W phi`, or their changes along the columns of a root."""
+    h, v = np.zeros((2, len(q), 3, *pi.shape[1:]))
+    # By parts: a regressor may have hundreds of columns a sample.
+    for start in range(0, len(q), PART):
+        part = slice(start, start + PART)
+        Y, W = regressors(q[part], qd[part], w[part])
+        h[part, list(regressors.momentum_axes)] = Y @ pi
+        v[part, list(regressors.velocity_axes)] = W @ phi
+    return h, v
 
 
 def _check_sizes(result: Result, sets: MinimalSets) -> None:
@@ -217,13 +223,6 @@ class PredictionDeviations(NamedTuple):
     """Velocity of S, inertial axes, m/s."""
 
 
-class _Changes(NamedTuple):
-    """How `h_rs` and `v_S` (relative to the CM) change along the columns of a root."""
-
-    dh: Float[np.ndarray, "n 3 r"]
-    dv: Float[np.ndarray, "n 3 r"]
-
-
 def prediction_deviations(
     result: Result, prediction: Prediction
 ) -> PredictionDeviations:
@@ -231,20 +230,19 @@ def prediction_deviations(
     robot, sets = result.robot, minimal_sets(result.robot)
     root = root_of(result.base_covariance)
     dpi, dphi = sets.derivatives(result.base.values)
-    regressors, roots = sets.regressors, (dpi @ root, dphi @ root)
+    changes = partial(_momentum_and_velocity, sets.regressors, dpi @ root, dphi @ root)
     seen = prediction.measured
     R = quaternion_matrix(seen.x_WB)
-    dh, dv = _changes(regressors, roots, seen.q, seen.qd, seen.w)
+    dh, dv = changes(seen.q, seen.qd, seen.w)
     dh_cm = (R @ dh).mean(axis=0)
     moving = seen.moving if seen.moving.any() else np.ones(seen.moving.size, bool)
     dv_cm = -(R @ dv)[moving].mean(axis=0)
 
-    pi, phi = result.pi.values, result.phi.values
-    at = momentum_terms(regressors, pi, phi, seen.q, seen.qd)
+    at = momentum_terms(result, seen.q, seen.qd)
     w, R = prediction.w, quaternion_matrix(prediction.x_WB)
-    dh, dv = _changes(regressors, roots, seen.q, seen.qd, w)
+    dh, dv = changes(seen.q, seen.qd, w)
     b = rotate(at.D, w) + at.h_q + seen.qd_rw @ wheels_of(robot).A_rw.T
-    conserved = np.isin(np.arange(3), regressors.momentum_axes)
+    conserved = np.isin(np.arange(3), sets.regressors.momentum_axes)
     D = at.D + np.diag(~conserved)
     # dw = dw_0 + B f; in the plane neither tilts.
     dw_0 = np.linalg.solve(D, np.swapaxes(R, 1, 2) @ dh_cm - dh) * conserved[:, None]
@@ -255,22 +253,6 @@ def prediction_deviations(
     off = at.V @ dw + dv - cross_matrix(v) @ f
     dv = R @ off + dv_cm
     return PredictionDeviations(np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2))
-
-
-def _changes(
-    regressors: Regressors,
-    roots: tuple[Float[np.ndarray, "pi r"], Float[np.ndarray, "phi r"]],
-    q: Float[np.ndarray, "n joints"],
-    qd: Float[np.ndarray, "n joints"],
-    w: Float[np.ndarray, "n 3"],
-) -> _Changes:
-    dpi, dphi = roots
-    dh, dv = np.zeros((2, len(q), 3, dpi.shape[1]))
-    for part in parts_of(len(q)):
-        Y, W = regressors(q[part], qd[part], w[part])
-        dh[part, list(regressors.momentum_axes)] = Y @ dpi
-        dv[part, list(regressors.velocity_axes)] = W @ dphi
-    return _Changes(dh, dv)
 
 
 def _turns(
@@ -335,20 +317,15 @@ def _relative(
     clean = cleaned(alone, recording, Settings()).recording
     off: dict[str, float] = dict.fromkeys(POSE, 0.0)
     size = off.copy()
-    for window in _windows(clean):
+    for k in range(int((clean.t[-1] - clean.t[0]) / WINDOW)):
+        start = clean.t[0] + k * WINDOW
+        window = clean.between(start, start + WINDOW)
         # Where a window has too few samples, it has none to compare with.
         with suppress(InputError):
             for name, error, about in _predicted(alone, beta, errors, window, late):
                 off[name] += float(np.sum(error**2))
                 size[name] += float(np.sum(about**2))
     return {name: float(np.sqrt(off[name] / size[name])) for name in POSE if size[name]}
-
-
-def _windows(recording: Recording) -> Iterator[Recording]:
-    count = int((recording.t[-1] - recording.t[0]) / WINDOW)
-    for k in range(count):
-        start = recording.t[0] + k * WINDOW
-        yield recording.between(start, start + WINDOW)
 
 
 def _predicted(

@@ -243,21 +243,16 @@ def scored(result: Result, recording: Recording) -> Validation:
     """
     prediction = predict(result, recording)
     axes_h, axes_v = conserved_axes(result.robot)
-    seen = prediction.measured.moving
-    may_be_off = prediction_deviations(result, prediction)
-    stds = {
-        "gyro": may_be_off.w[:, axes_h],
-        "velocity": may_be_off.v_S[seen][:, axes_v],
+    measured, std = prediction.measured, prediction_deviations(result, prediction)
+    # Each with what was measured, the error, and its deviation by the parameters.
+    gyro = np.array([measured.w, prediction.w - measured.w, std.w])
+    velocity = np.array([measured.v_S, prediction.v_S - measured.v_S, std.v_S])
+    signals = {
+        "gyro": gyro[..., axes_h],
+        "velocity": velocity[:, measured.moving][..., axes_v],
     }
-    pairs = {
-        "gyro": (prediction.w[:, axes_h], prediction.measured.w[:, axes_h]),
-        "velocity": (
-            prediction.v_S[seen][:, axes_v],
-            prediction.measured.v_S[seen][:, axes_v],
-        ),
-    }
-    rms = {name: rms_of(predicted - true) for name, (predicted, true) in pairs.items()}
-    size = {name: rms_of(true - true.mean(axis=0)) for name, (_, true) in pairs.items()}
+    rms = {name: rms_of(error) for name, (_, error, _) in signals.items()}
+    size = {name: rms_of(x - x.mean(axis=0)) for name, (x, _, _) in signals.items()}
     own, by_nominal = dict[str, NullableNumber](), dict[str, NullableNumber]()
     recording = recording.with_joints_of(result.robot)
     if joints_with_torques(result.robot, recording):
@@ -271,11 +266,8 @@ def scored(result: Result, recording: Recording) -> Validation:
         nrmse={name: rms[name] / size[name] if size[name] else np.nan for name in rms},
         rms=rms,
         samples=prediction.t.size,
-        std={name: rms_of(std) for name, std in stds.items()},
-        inside={
-            name: _inside(predicted - true, stds[name])
-            for name, (predicted, true) in pairs.items()
-        },
+        std={name: rms_of(std) for name, (*_, std) in signals.items()},
+        inside={name: _inside(error, std) for name, (_, error, std) in signals.items()},
         noise={},
         verdict="not judged",
         reason="",

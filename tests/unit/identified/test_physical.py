@@ -17,7 +17,9 @@ from orbident.estimation.result import Result
 from orbident.identified.exported_robot import (
     exported_robot,
     exported_urdf,
-    wheel_parts,
+    links_of,
+    parts_of_base,
+    wheel_joints,
 )
 from orbident.identified.physical import PhysicalBodies, physical_bodies
 from orbident.model.formulas import formulas_of
@@ -132,7 +134,7 @@ def test_refusals(found, monkeypatch):
     with pytest.raises(InputError, match=r"1 of 18 .*\(iota_12\)"):
         bodies_of(with_base(found, unknown, found.base.std), rotors)
     with pytest.raises(InputError, match="not loaded from a URDF"):
-        wheel_parts(replace(found.robot, urdf=""))
+        links_of(replace(found.robot, urdf=""))
 
     monkeypatch.setitem(sys.modules, "cvxpy", None)
     with pytest.raises(InputError, match=r'needs cvxpy: .* "orbident\[export\]"'):
@@ -170,7 +172,7 @@ def weighed(link: ET.Element) -> float:
 
 def test_the_base_exists_without_its_rotors(servicer):
     """Rotors that are bodies of their own are not for the base to make up for."""
-    parts = wheel_parts(servicer)
+    parts = parts_of_base(servicer, wheel_joints(servicer).values())
     assert parts[0, 0] == 3.0
     assert not parts[1:].any()
     text = exported_urdf(servicer, servicer.theta)
