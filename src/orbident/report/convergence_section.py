@@ -1,15 +1,13 @@
 """How an estimate came about: by the steps of a search, or sample by sample."""
 
 import os
-from itertools import groupby
-from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv as arrow_csv
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from orbident.errors import InputError
 from orbident.estimation.solution import SMALL, Convergence
@@ -35,50 +33,30 @@ WIDE = 10.0
 """Largest over smallest cost, from which on the axis is logarithmic."""
 
 
-class Round(NamedTuple):
-    """What is drawn of one round of a search."""
-
-    number: Float[np.ndarray, " n"]
-    """How many steps were taken by then, in all rounds together."""
-    cost: Float[np.ndarray, " n"]
-    size: Float[np.ndarray, " n"]
-    """NaN where a round starts."""
-
-
-def rounds(steps: Convergence) -> list[Round]:
-    """The steps of each round, in order."""
-    found, taken = [], 0
-    for _, each in groupby(steps, attrgetter("round")):
-        cost, size, _ = np.array(list(each)).T
-        number = taken + np.cumsum(~np.isnan(size))
-        found.append(Round(number.astype(float), cost, size))
-        taken = int(number[-1])
-    return found
-
-
 def convergence(steps: Convergence) -> Section | None:
     """Cost and size of every step; None where the method took none."""
     if not steps:
         return None
-    every = rounds(steps)
-    cost, size = (np.concatenate(y) for y in list(zip(*every, strict=True))[1:])
-    last, taken = steps[-1], int(every[-1].number[-1])
+    cost, size, of = np.array(steps).T
+    # Where a round starts there was no step, and its size is NaN.
+    number = np.cumsum(~np.isnan(size))
+    rounds, taken = [of == each for each in np.unique(of)], int(number[-1])
     words = [
         f"The search took {taken} steps. The cost is the sum of all squared residuals, "
         "each over its noise. By the last step no parameter moved by more than "
-        f"{last.size:.1g} of its standard deviation; a search ends with a step below "
+        f"{size[-1]:.1g} of its standard deviation; a search ends with a step below "
         f"the line at {SMALL:g}."
     ]
-    if len(every) > 1:
+    if len(rounds) > 1:
         words.append(
-            f"The {len(every)} curves are rounds of the search: before each one the "
+            f"The {len(rounds)} curves are rounds of the search: before each one the "
             "noise and the weights of outliers are estimated anew, so costs of "
             "different rounds cannot be compared."
         )
     across = [-0.5, taken + 0.5]
     ends = line(np.array(across), np.full(2, SMALL), LIMIT)
-    of_cost = [_curve(each.number, each.cost) for each in every]
-    of_size = [ends, *(_curve(each.number, each.size) for each in every)]
+    of_cost = [_curve(number[each], cost[each]) for each in rounds]
+    of_size = [ends, *(_curve(number[each], size[each]) for each in rounds)]
     # At most nine numbers on the axis.
     x = {"dtick": -(-taken // 8), "range": across}
     wide = cost.max() > WIDE * cost.min()
@@ -95,7 +73,7 @@ def convergence(steps: Convergence) -> Section | None:
     )
 
 
-def _curve(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> Trace:
+def _curve(x: Int[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> Trace:
     dots = {"mode": "lines+markers", "marker": {"color": PREDICTED, "size": 6}}
     return {**line(x, y, PREDICTED), **dots}
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 
-from orbident.data_table import Numeric, table_of
+from orbident.data_table import Cell, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import SIGNAL_UNITS, Signals
@@ -133,26 +133,16 @@ def validation(scores: dict) -> Section:
         )
         for name in SCORED
     )
-    poses = [
-        (
-            f"{name}, over windows of {WINDOW:g} s",
-            Numeric(100 * error),
-            Numeric(100 * scores["pose_by_nominal"][name]),
-        )
-        for name, error in scores.get("pose", {}).items()
-    ]
+    poses = _beside_nominal(scores, "pose", f", over windows of {WINDOW:g} s")
+    torques = _beside_nominal(scores, "torques")
+    head = "error, % of signal", "by the robot file's numbers, %"
     tables = [table_of("Errors, and what is expected of them", HEAD, rows)]
     if poses:
-        head = "pose", "error, % of signal", "by the robot file's numbers, %"
-        tables = [table_of("Errors of poses, thrust included", head, poses)]
-    torques = [
-        (name, Numeric(100 * error), Numeric(100 * scores["torques_by_nominal"][name]))
-        for name, error in scores.get("torques", {}).items()
-        if error is not None
-    ]
+        title = "Errors of poses, thrust included"
+        tables = [table_of(title, ("pose", *head), poses)]
     if torques:
-        head = "torque", "error, % of signal", "by the robot file's numbers, %"
-        tables.append(table_of("Errors of torques at joints", head, torques))
+        title = "Errors of torques at joints"
+        tables.append(table_of(title, ("torque", *head), torques))
     predicted = "Poses" if poses else "Base rates and velocities"
     by = "thrust" if poses else "the motion of joints and wheels"
     origin = "which was not used to identify"
@@ -173,6 +163,16 @@ def validation(scores: dict) -> Section:
         words=tuple(words),
         tables=tuple(tables),
     )
+
+
+def _beside_nominal(scores: dict, key: str, more: str = "") -> list[tuple[Cell, ...]]:
+    """Errors of what was predicted beside those of the nominal bodies, in percent."""
+    nominal = scores.get(f"{key}_by_nominal", {})
+    return [
+        (f"{name}{more}", Numeric(100 * error), Numeric(100 * nominal[name]))
+        for name, error in scores.get(key, {}).items()
+        if error is not None
+    ]
 
 
 METHODS = {
