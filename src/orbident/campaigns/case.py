@@ -17,7 +17,7 @@ from jaxtyping import Float
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from orbident.campaigns.spec import Disperse, Distribution, Spec
+from orbident.campaigns.spec import Disperse, Distribution
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
@@ -55,14 +55,6 @@ class Case:
     disperse: Disperse
     seed: int
     """The seed of all random numbers that this run draws."""
-
-    @classmethod
-    def of(cls, spec: Spec, subjects: tuple[Subject, ...], k: int) -> "Case":
-        """Run `k` of a campaign."""
-        words = np.random.SeedSequence(spec.entropy, spawn_key=(k,)).generate_state(4)
-        # All 128 bits, as one whole number.
-        seed = sum(int(word) << (32 * i) for i, word in enumerate(words))
-        return cls(k, subjects[k % len(subjects)], spec.disperse, seed)
 
     @cached_property
     def draws(self) -> Draws:

@@ -119,23 +119,18 @@ def _row(
 
 
 def _failure(case: Case, error: Exception) -> dict[str, Any]:
-    kind = type(error).__name__
+    kind, draws = type(error).__name__, {}
+    # It is to be reported even where what failed is the drawing.
+    with suppress(Exception):
+        draws = case.draws
     return {
         "run": case.k,
         "robot": case.subject.robot.name,
-        "draws": _draws(case),
+        "draws": draws,
         "error": kind,
         "reason": " ".join(str(error).split()) or kind,
         "traceback": traceback.format_exception(error),
     }
-
-
-def _draws(case: Case) -> dict[str, float]:
-    try:
-        return case.draws
-    # A failure is to be reported even where what failed is the drawing.
-    except Exception:
-        return {}
 
 
 RECORDING = "recording.parquet"

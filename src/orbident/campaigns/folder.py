@@ -67,7 +67,12 @@ class Campaign:
 
     def case(self, k: int) -> Case:
         """Run `k`."""
-        return Case.of(self.spec, self.subjects, k)
+        random = np.random.SeedSequence(self.spec.entropy, spawn_key=(k,))
+        # All 128 bits, as one whole number.
+        words = enumerate(random.generate_state(4))
+        seed = sum(int(word) << (32 * i) for i, word in words)
+        subject = self.subjects[k % len(self.subjects)]
+        return Case(k, subject, self.spec.disperse, seed)
 
 
 def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
