@@ -129,6 +129,9 @@ def _robot(robot: Any, document: dict[str, Any]) -> list[str]:
     return lines
 
 
+BOUND = f"{'':8} {'':12} {'bound':>9} {'%':>8}"
+"""The head of a parameter's numbers."""
+
 MOST = 24
 """So many parameters are shown unless the user asks for all: with the rest of what is
 said of a robot with six joints they fill two screens."""
@@ -137,13 +140,9 @@ said of a robot with six joints they fill two screens."""
 def _in_brief(document: dict[str, Any], what: list[str]) -> list[str]:
     """The first base parameters, in words, and how many numbers there are."""
     count, entries = document["count"], document["base"]
-    bounds = _in_words(entries)
-    head = [f"  {'':25} {'':8} {'':12} {'bound':>9} {'%':>8}"] if bounds[0] else []
-    rows = zip(what, entries["names"], entries["values"], bounds, strict=True)
-    lines = [
-        f"  {each:25} {name:8} {value:12.5g}{bound}"
-        for each, name, value, bound in rows
-    ]
+    head = [f"  {'':25} {BOUND}"] if "bound" in entries else []
+    rows = zip(what, _in_words(entries), strict=True)
+    lines = [f"  {each:25} {numbers}" for each, numbers in rows]
     more = [f"  and {len(lines) - MOST} more"] if len(lines) > MOST else []
     return [
         "",
@@ -165,20 +164,10 @@ def _sets(document: dict[str, Any]) -> list[str]:
     for name, title in titles.items():
         entries = document[name]
         lines += ["", title]
-        bounds = _in_words(entries)
-        if bounds[0]:
-            lines.append(f"  {'':8} {'':12} {'bound':>9} {'%':>8}")
-        rows = zip(
-            entries["names"],
-            entries["values"],
-            bounds,
-            entries["formulas"],
-            strict=True,
-        )
-        lines += [
-            f"  {name:8} {value:12.5g}{bound}   {formula}"
-            for name, value, bound, formula in rows
-        ]
+        if "bound" in entries:
+            lines.append(f"  {BOUND}")
+        rows = zip(_in_words(entries), entries["formulas"], strict=True)
+        lines += [f"  {numbers}   {formula}" for numbers, formula in rows]
     return lines
 
 
@@ -195,14 +184,14 @@ def _open(document: dict[str, Any]) -> list[str]:
 
 
 def _in_words(entries: dict[str, Any]) -> list[str]:
-    """The bound of each, in its unit and in percent of it."""
+    """Name and value of each, and its bound, in its unit and in percent of it."""
     from orbident.data_table import Numeric
 
-    if "bound" not in entries:
-        return [""] * len(entries["values"])
-    words = []
-    for value, bound in zip(entries["values"], entries["bound"], strict=True):
+    pairs = zip(entries["names"], entries["values"], strict=True)
+    words = [f"{name:8} {value:12.5g}" for name, value in pairs]
+    for k, bound in enumerate(entries.get("bound", ())):
+        value = entries["values"][k]
         relative = 100 * bound / abs(value) if value and bound is not None else None
         std, percent = str(Numeric(bound, ".2g")), str(Numeric(relative, ".2g"))
-        words.append(f" {std:>9} {percent:>8}")
+        words[k] += f" {std:>9} {percent:>8}"
     return words

@@ -84,16 +84,18 @@ def _rows(surveyed: Any) -> list[dict[str, Any]]:
 
 
 def _lines(surveyed: Any) -> list[str]:
+    from orbident.data_table import Numeric
+
     rows = [["topic", "type", "messages", "rate (Hz)"]]
     clocks = any(each.offset is not None for each in surveyed)
     if clocks:
         rows[0] += ["header - receive (s)", "drift (ppm)"]
     for each in surveyed:
         row = [each.topic.name, each.topic.type, str(each.topic.count)]
-        row.append(_cell(each.rate, ".5g"))
+        row.append(str(Numeric(each.rate, ".5g")))
         if clocks:
             ppm = None if each.drift is None else 1e6 * each.drift
-            row += [_cell(each.offset, ".4f"), _cell(ppm, ".0f")]
+            row += [str(Numeric(each.offset, ".4f")), str(Numeric(ppm, ".0f"))]
         rows.append(row)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
@@ -103,7 +105,3 @@ def _lines(surveyed: Any) -> list[str]:
         )
         for row in rows
     ]
-
-
-def _cell(x: float | None, form: str) -> str:
-    return "-" if x is None else f"{x:{form}}"

@@ -99,10 +99,12 @@ class _Stage:
         most = int(sizes[np.cumsum(sizes) <= MOST_VERTICES].max(initial=0))
         shapes = [coarse(shape, most) for shape in scene.shapes]
         reach = max(float(np.abs(shape.vertices).max()) for shape in shapes) or 1.0
-        self._faces = [
-            reach * split(s.vertices[s.faces] / reach, FINEST) for s in shapes
+        # The frame of each shape, its colour and its faces.
+        self._shapes = [
+            (s.frame, s.colour, reach * split(s.vertices[s.faces] / reach, FINEST))
+            for s in shapes
         ]
-        self._shapes, self._axes = shapes, view_axes(scene.eye)
+        self._axes = view_axes(scene.eye)
         robot, model = scene.robot, replay.model or scene.robot
         self._actors = [
             _Actor(words, colour, with_resting_cm(scene, motion.thinned(FRAMES), by))
@@ -162,25 +164,15 @@ class _Stage:
     def _seen(self, actor: _Actor, k: int) -> Float[np.ndarray, "faces 3 3"]:
         """The faces of a robot: to the right, up, and towards the eye, m."""
         R, p = actor.at.R[k], actor.at.p[k]
-        frames = [shape.frame for shape in self._shapes]
-        return np.vstack(
-            [
-                (faces @ R[frame].T + p[frame]) @ self._axes
-                for frame, faces in zip(frames, self._faces, strict=True)
-            ]
+        seen = (
+            (faces @ R[frame].T + p[frame]) @ self._axes
+            for frame, _, faces in self._shapes
         )
+        return np.vstack([*seen])
 
     def _colours(self, ghost: Colour | None) -> Float[np.ndarray, "faces 3"]:
-        pairs = zip(self._shapes, self._faces, strict=True)
-        return (
-            np.vstack(
-                [
-                    np.tile(ghost or shape.colour, (len(faces), 1))
-                    for shape, faces in pairs
-                ]
-            )
-            / 255
-        )
+        colours = ([ghost or own] * len(faces) for _, own, faces in self._shapes)
+        return np.vstack([*colours]) / 255
 
 
 def split(

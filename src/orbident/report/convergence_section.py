@@ -112,12 +112,10 @@ def read_trail(path: Path) -> Trail | None:
         # Bytes: as text Arrow takes no name that is not UTF-8.
         with pa.OSFile(os.fsencode(path)) as file:
             table = arrow_csv.read_csv(file)
-        names = [
-            name for name in table.column_names if f"{name}.std" in table.schema.names
-        ]
         column = {
             name: table[name].to_numpy().astype(float) for name in table.column_names
         }
+        names = [name for name in column if f"{name}.std" in column]
         return Trail(
             names=tuple(names),
             t=column["t"],

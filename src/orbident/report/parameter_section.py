@@ -2,13 +2,11 @@
 
 import html
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from orbident.data_table import Cell, DataTable, Interval, Numeric, TableRow, table_of
-from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.quantities import (
     BaseSet,
     EstimatedSet,
@@ -270,10 +268,15 @@ def sensitivities(result: Result) -> Section | None:
     table = result.sensitivity()
     if table is None or not np.isfinite(table.shifts).any():
         return None
-    shown = largest_shifts(table)
+    size = np.nan_to_num(np.abs(table.shifts))
+    parameters, errors = _largest(size.max(axis=1)), _largest(size.max(axis=0))
     what = dict(zip(result.base.names, physical_names(result.base), strict=True))
-    names = [what.get(name, name) for name in shown.parameters]
-    parameters, errors = table.shifts.shape
+    names = [what.get(table.parameters[k], table.parameters[k]) for k in parameters]
+    causes = [error_in_words(table.errors[k], table.units[k]) for k in errors]
+    shifts = table.shifts[np.ix_(parameters, errors)].T
+    # Shifts of 1 and of 100 are to be told apart.
+    colour = np.sign(shifts) * np.log10(1 + np.abs(shifts))
+    full = max(np.log10(1 + STRONG), float(np.nanmax(np.abs(colour))))
     words = (
         "The instruments below are taken as exact: the robot file has no tolerance for "
         "them. A cell shows by how many of its own standard deviations a parameter "
@@ -281,19 +284,19 @@ def sensitivities(result: Result) -> Section | None:
         "zero; red is upwards, blue downwards. An error with a tolerance is estimated "
         "with the parameters, or counted in their deviations.",
     )
-    if shown.x.size < table.shifts.size:
+    if shifts.size < size.size:
         words += (
-            f"The {len(shown.errors)} of {errors} errors that shift most, and the "
-            f"{len(shown.parameters)} of {parameters} parameters that are shifted "
+            f"The {len(causes)} of {len(table.errors)} errors that shift most, and the "
+            f"{len(names)} of {len(table.parameters)} parameters that are shifted "
             "most; result.json has all.",
         )
     chart = Chart(
         "sensitivity",
         "Shift of each parameter, in its own standard deviations",
         heat_map(
-            *(shown.errors, names, shown.colour, shown.full),
-            height=26 * len(shown.errors) + 90,
-            text=shown.cells,
+            *(causes, names, colour, full),
+            height=26 * len(causes) + 90,
+            text=[[_cell(shift) for shift in row] for row in shifts],
             texttemplate="%{text}",
             textfont={"size": 10},
             showscale=False,
@@ -313,36 +316,6 @@ def error_in_words(error: str, unit: str) -> str:
         name, _, what = rest.rpartition(".")
         return f"1 {unit}: {what} of {name}"
     return f"1 {unit}: {error.replace('.', ' ').replace('_', ' ')}"
-
-
-class Shifts(NamedTuple):
-    """Part of a sensitivity table, for people: a row an error."""
-
-    errors: list[str]
-    parameters: list[str]
-    x: Float[np.ndarray, "errors parameters"]
-    """Shifts, in each parameter's own standard deviations,"""
-    colour: Float[np.ndarray, "errors parameters"]
-    """and what decides their colours: shifts of 1 and of 100 are to be told apart."""
-    full: float
-    """Where a colour is full."""
-    cells: list[list[str]]
-
-
-def largest_shifts(table: SensitivityTable) -> Shifts:
-    """The errors that shift most, and the parameters that are shifted most."""
-    size = np.nan_to_num(np.abs(table.shifts))
-    rows, columns = _largest(size.max(axis=1)), _largest(size.max(axis=0))
-    x = table.shifts[np.ix_(rows, columns)].T
-    colour = np.sign(x) * np.log10(1 + np.abs(x))
-    return Shifts(
-        errors=[error_in_words(table.errors[k], table.units[k]) for k in columns],
-        parameters=[table.parameters[k] for k in rows],
-        x=x,
-        colour=colour,
-        full=max(np.log10(1 + STRONG), float(np.nanmax(np.abs(colour)))),
-        cells=[[_cell(shift) for shift in row] for row in x],
-    )
 
 
 def _largest(size: Float[np.ndarray, " n"]) -> Int[np.ndarray, " most"]:
