@@ -18,7 +18,6 @@ from orbident.cli.excite_tables import (
     pulsed,
     swinging,
     together,
-    was_interrupted,
     written,
 )
 from orbident.cli.options import Force, RobotName
@@ -175,7 +174,8 @@ def excite(
     made = _designed(described, places, given, asked | {"uncertainty": uncertainty})
     last = made[-1]
     output.warn(design_doubts(last, bool(not_shown(described))))
-    if was_interrupted(last):
+    interrupted = last.design["interrupted"]
+    if interrupted:
         output.warn([INTERRUPTED])
     at_rest = was_at_rest(described, given.initial, given.start)
     shown = partial(designed, paper=paper, at_rest=at_rest)
@@ -187,7 +187,7 @@ def excite(
         output.say(*shown(found), f"written: {place}")
     documents = list(map(partial(written, paper=paper), made, places))
     output.write_json(documents[0] if recordings == 1 else {"recordings": documents})
-    if was_interrupted(last):
+    if interrupted:
         sys.stdout.flush()
         raise KeyboardInterrupt
     if not excites_all(last):

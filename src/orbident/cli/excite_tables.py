@@ -74,11 +74,6 @@ def design_doubts(found: Any, unshown: bool) -> list[str]:
     return sentences
 
 
-def was_interrupted(found: Any) -> bool:
-    """Whether Ctrl-C ended the search."""
-    return found.design["interrupted"]
-
-
 def excites_all(found: Any) -> bool:
     """Whether the criterion that was made small shows every parameter."""
     value = found.design["value"]
@@ -117,7 +112,10 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     proven = made["proven"]
     base = _base_words(proven)
     if scores["drift"]:
-        base += f"\n{drift_words(scores['drift'])}"
+        base += (
+            f"\nwhat may act moves the robot by {scores['drift']:.2g} m on the table "
+            "beside this (one standard deviation)"
+        )
     joints = _joint_table(proven["joints"])
     proof = ["", "proven for all times, with nominal inertia:", joints, base]
     known = [KNOWN_AT_REST] if at_rest else []
@@ -295,14 +293,6 @@ def table_words(table: Any) -> str:
     return (
         f"needs {sides_of(table)} m of a table, or a round one of radius "
         f"{_number(table[-1])} m"
-    )
-
-
-def drift_words(drift: float) -> str:
-    """What a table needs beside what the motion needs."""
-    return (
-        f"what may act moves the robot by {drift:.2g} m on the table beside this (one "
-        "standard deviation)"
     )
 
 

@@ -68,15 +68,17 @@ def export(
     check_free(out, force)
     result = oi.load_result(run)
     if q is not None:
-        write_matrices(output, result, out, _numbers(q))
+        words, lines, told = write_matrices(result, out, _numbers(q))
     elif recording is not None:
-        write_motion(output, result, out, recording)
+        words, lines, told = write_motion(result, out, recording)
     elif suffix in MODELS:
-        write_model(output, result, out)
+        words, lines, told = write_model(output, result, out, suffix)
     elif suffix in CODE:
-        write_code(output, result, out)
+        words, lines, told = write_code(result, out, suffix)
     else:
-        write_parameters(output, result, out)
+        words, lines, told = write_parameters(result, out, suffix)
+    output.say(f"written: {out}: {words}", *filter(None, lines))
+    output.write_json({"file": str(out), **told})
 
 
 def _check_what(
@@ -168,13 +170,15 @@ CODE = {
 
 SUFFIXES = (*MODELS, *CODE, ".mcap", ".mat", ".csv", ".tex", ".json")
 
+Written = tuple[str, tuple[str, ...], dict[str, Any]]
+"""What was written, what else is said of it, and what its JSON tells."""
 
-def write_model(output: Any, result: Any, out: Path) -> None:
+
+def write_model(output: Any, result: Any, out: Path, suffix: str) -> Written:
     """The robot of bodies that can exist; status 1 where there are none."""
     from orbident.files.replacing import write_text
     from orbident.identified.exported_robot import NoBodiesError, exported_robot
 
-    suffix = out.suffix.lower()
     try:
         made = exported_robot(result, without_rotors=suffix == ".urdf")
     except NoBodiesError as refusal:
@@ -185,15 +189,13 @@ def write_model(output: Any, result: Any, out: Path) -> None:
     robot, moved = made.robot, "exactly as identified"
     if made.deviation:
         moved = f"moved by {made.deviation:.2g} sigma in all, so that bodies can exist"
-    output.say(
-        f"written: {out}: {MODELS[suffix]}, {len(robot.bodies)} bodies, "
-        f"base parameters {moved}",
-        "directions that free floating cannot observe stay as close to CAD as possible",
-        *filter(None, (lacks,)),
+    near = (
+        "directions that free floating cannot observe stay as close to CAD as possible"
     )
     masses = dict(zip(robot.bodies, robot.theta[:, 0].tolist(), strict=True))
     told = {"deviation": made.deviation, "masses": masses, "lacks": lacks}
-    output.write_json({"file": str(out), **told})
+    words = f"{MODELS[suffix]}, {len(robot.bodies)} bodies, base parameters {moved}"
+    return words, (near, lacks), told
 
 
 def _model_text(made: Any, suffix: str) -> tuple[str, str]:
@@ -212,23 +214,19 @@ def _model_text(made: Any, suffix: str) -> tuple[str, str]:
     return basilisk_script(made), made.mechanism.lacks_without_armature
 
 
-def write_code(output: Any, result: Any, out: Path) -> None:
+def write_code(result: Any, out: Path, suffix: str) -> Written:
     """`H+` and `c+` as functions in another language."""
     from orbident.files.replacing import write_text
     from orbident.identified.generated_code import equations_as_c, equations_as_matlab
     from orbident.model.core_robot import lacking_rotors
 
-    suffix, name, model = out.suffix.lower(), out.stem, result.dynamics()
+    name, model = out.stem, result.dynamics()
     c = suffix == ".c"
     write_text(out, equations_as_c(model) if c else equations_as_matlab(model, name))
-    output.say(
-        f"written: {out}: {CODE[suffix].format(name=name)}",
-        *filter(None, (lacking_rotors(model.robot),)),
-    )
-    output.write_json({"file": str(out)})
+    return CODE[suffix].format(name=name), (lacking_rotors(model.robot),), {}
 
 
-def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
+def write_matrices(result: Any, out: Path, q: list[float]) -> Written:
     """`H+` and Jacobians in one configuration, as JSON."""
     from json import dumps
 
@@ -237,14 +235,10 @@ def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
 
     document = matrices_at(result, q)
     write_text(out, dumps(document, indent=1, allow_nan=False) + "\n")
-    output.say(
-        f"written: {out}: H+ over {', '.join(document['speeds'])}",
-        *filter(None, (document["lacks"],)),
-    )
-    output.write_json({"file": str(out)})
+    return f"H+ over {', '.join(document['speeds'])}", (document["lacks"],), {}
 
 
-def write_parameters(output: Any, result: Any, out: Path) -> None:
+def write_parameters(result: Any, out: Path, suffix: str) -> Written:
     """All parameters with their deviations, as CSV, LaTeX or MATLAB."""
     from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import (
@@ -253,7 +247,7 @@ def write_parameters(output: Any, result: Any, out: Path) -> None:
         write_mat,
     )
 
-    suffix, more = out.suffix.lower(), ""
+    more = ""
     if suffix == ".mat":
         write_mat(result, out)
         more = "; covariances, and what was measured and predicted"
@@ -262,13 +256,11 @@ def write_parameters(output: Any, result: Any, out: Path) -> None:
     else:
         write_text(out, parameters_as_csv(result))
     count = sum(len(found.names) for found in (result.base, result.phi, result.pi))
-    output.say(
-        f"written: {out}: {count} parameters: M, sigma, iota, then phi, then pi{more}"
-    )
-    output.write_json({"file": str(out), "parameters": count})
+    words = f"{count} parameters: M, sigma, iota, then phi, then pi{more}"
+    return words, (), {"parameters": count}
 
 
-def write_motion(output: Any, result: Any, out: Path, recording: Path) -> None:
+def write_motion(result: Any, out: Path, recording: Path) -> Written:
     """What was recorded and what is predicted, as messages of ROS 2."""
     from orbident.files.text import sha256
     from orbident.scene.mcap_export import write_mcap
@@ -279,7 +271,5 @@ def write_motion(output: Any, result: Any, out: Path, recording: Path) -> None:
     with progress("writing") as done:
         signals = result.signals() if own else ()
         counts = write_mcap(result, motion, out, signals, done)
-    output.say(
-        f"written: {out}: {sum(counts.values())} ROS 2 messages, on {', '.join(counts)}"
-    )
-    output.write_json({"file": str(out), "messages": dict(counts)})
+    words = f"{sum(counts.values())} ROS 2 messages, on {', '.join(counts)}"
+    return words, (), {"messages": dict(counts)}
