@@ -70,8 +70,9 @@ def robot_header(
     sets, own = kalman.sets, kalman.sets.regressors
     sigmas, iotas = sets.base.sigmas, sets.iotas
     joints, wheels = len(robot.joints), len(robot.wheels)
+    sparse = {name: _sparse(name, *tables[name]) for name in SPARSE}
     arrays = [
-        *(_sparse_parts(name, tables[name]) for name in SPARSE),
+        *(made for made, _ in sparse.values()),
         _whole("PRODUCT", tables["product"]),
         _whole("PAIR", tables["pair"]),
         reals("BETA", prior.beta),
@@ -83,17 +84,17 @@ def robot_header(
     if wheels:
         arrays.append(_list("orbident_wheel", "WHEEL", map(_wheel, robot.wheels)))
     body = "\n".join(arrays)
-    sparse = {name: _sparse(name, tables) for name in SPARSE}
+    named = {name: reference for name, (_, reference) in sparse.items()}
     # A number of this table, at least 1, that a float holds exactly.
     mark = 1 + zlib.crc32(f"{robot.name}\n{body}".encode()) % (2**24 - 1)
     fields = [
         f"{mark}L, {joints}, {wheels}",
         f"{'ROBOT_JOINT' if joints else '0'}, {'ROBOT_WHEEL' if wheels else '0'}",
-        f"{sparse['theta_of_linear']}, {sparse['theta_of_sigma']}",
-        f"ROBOT_PRODUCT, {len(tables['product']) // 2}, {sparse['theta_of_beta']}",
+        f"{named['theta_of_linear']}, {named['theta_of_sigma']}",
+        f"ROBOT_PRODUCT, {len(tables['product']) // 2}, {named['theta_of_beta']}",
         f"{_axes(own.momentum_axes)}, {_axes(own.velocity_axes)}",
         f"{{{_reals(kalman.noise[:11])}}}, {int(kalman.noise.accelerometer)}",
-        f"{sparse['pi_of_shown']}, {sparse['pi_of_products']}",
+        f"{named['pi_of_shown']}, {named['pi_of_products']}",
         f"ROBOT_PAIR, {len(sets.pi_of_beta)}, {sigmas}, {iotas}",
         "ROBOT_BETA, ROBOT_ROOT, ROBOT_OPENING",
         f"{detector.window}, {_real(detector.threshold)}",
@@ -144,18 +145,14 @@ def _axes(axes: tuple[int, ...]) -> str:
     return f"{{{', '.join(map(str, three))}}}, {len(axes)}"
 
 
-def _sparse_parts(name: str, table: tuple[np.ndarray, ...]) -> str:
-    first, row, value = table
-    name = name.upper()
-    parts = [_whole(f"{name}_FIRST", first), _whole(f"{name}_ROW", row)]
-    return "\n".join([*parts, reals(f"{name}_VALUE", value)])
-
-
-def _sparse(name: str, tables: dict) -> str:
-    parts = ", ".join(
-        f"ROBOT_{name.upper()}_{part}" for part in ("FIRST", "ROW", "VALUE")
-    )
-    return f"{{{parts}, {len(tables[name][0]) - 1}}}"
+def _sparse(
+    name: str, first: np.ndarray, row: np.ndarray, value: np.ndarray
+) -> tuple[str, str]:
+    """The arrays of a sparse matrix, and how the robot's table refers to them."""
+    names = [f"{name.upper()}_{part}" for part in ("FIRST", "ROW", "VALUE")]
+    arrays = [_whole(names[0], first), _whole(names[1], row), reals(names[2], value)]
+    parts = ", ".join(f"ROBOT_{part}" for part in names)
+    return "\n".join(arrays), f"{{{parts}, {len(first) - 1}}}"
 
 
 def _whole(name: str, values: np.ndarray) -> str:
@@ -227,8 +224,9 @@ def export_flight(
     detector = Detector(kalman.rows, samples=given.t.size)
     seen = filter_history(robot, kalman, detector, given, h_cm)
     statistic = seen.tests[:, 2] / detector.threshold
-    golden = {"TIME": given.t, "SAMPLE": given.samples, "BETA": seen.beta}
-    golden["STATISTIC"] = statistic
+    replayed = {"TIME": given.t, "SAMPLE": given.samples, "BETA": seen.beta}
+    replayed["STATISTIC"] = statistic
+    golden = {name: table[:MOST] for name, table in replayed.items()}
     change = factor_of(cad_covariance(robot, UNCERTAINTY))
     made = {
         "robot.h": robot_header(robot, kalman, cad_prior(robot), change, detector),
@@ -243,7 +241,7 @@ def export_flight(
         for name, text in made.items():
             (new / name).write_text(text, encoding="utf-8")
     memory, state = _core.flight_memory(kalman.core, detector.window)
-    return Flight(min(given.t.size, MOST), memory, state, seen.scale)
+    return Flight(len(golden["TIME"]), memory, state, seen.scale)
 
 
 def check_empty(folder: Path, force: bool = False) -> None:
@@ -295,7 +293,7 @@ def _golden(
         known = ", ".join(f"(orbident_real){hexadecimal(h)}" for h in h_cm)
         momentum = f"static const orbident_real GOLDEN_MOMENTUM[] = {{{known}}};"
     return Template(template_text("golden_h.txt")).substitute(
-        steps=min(len(tables["TIME"]), MOST),
+        steps=len(tables["TIME"]),
         tables="\n".join(
             f"static const double GOLDEN_{name}[] = {_rows(table)};"
             for name, table in tables.items()
@@ -306,7 +304,7 @@ def _golden(
 
 def _rows(table: np.ndarray) -> str:
     """A row of the table a line."""
-    rows = table[:MOST].reshape(min(len(table), MOST), -1)
+    rows = table.reshape(len(table), -1)
     return "{\n" + ",\n".join(", ".join(map(hexadecimal, row)) for row in rows) + "}"
 
 

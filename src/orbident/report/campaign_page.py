@@ -31,6 +31,7 @@ from orbident.report.charts import (
     PREDICTED,
     Figure,
     Panel,
+    bars,
     line,
     points,
     stacked,
@@ -51,16 +52,10 @@ def histogram(z: Float[np.ndarray, " n"]) -> Figure:
     count, _ = np.histogram(np.clip(z, -REACH, REACH), edges)
     width = edges[1] - edges[0]
     middle = (edges[1:] + edges[:-1]) / 2
-    bars = {
-        "type": "bar",
-        "x": middle,
-        "y": count / (z.size * width),
-        "marker": {"color": MEASURED},
-        "showlegend": False,
-    }
+    shares = bars(middle, count / (z.size * width), MEASURED)
     x = np.linspace(-REACH, REACH, 100)
     normal = line(x, stats.norm.pdf(x), PREDICTED)
-    return stacked([Panel("density", [bars, normal])], "error / deviation", nticks=9)
+    return stacked([Panel("density", [shares, normal])], "error / deviation", nticks=9)
 
 
 def normal_plot(z: Float[np.ndarray, " n"]) -> Figure:

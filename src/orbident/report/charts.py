@@ -76,6 +76,12 @@ def points(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
     return _scatter("markers", x, y, {"marker": {"color": color, "size": 4}}, more)
 
 
+def bars(x: Any, y: Any, color: str) -> Trace:
+    """A bar a number."""
+    marker = {"color": color}
+    return {"type": "bar", "x": x, "y": y, "marker": marker, "showlegend": False}
+
+
 def _scatter(
     mode: str,
     x: np.ndarray,

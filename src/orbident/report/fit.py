@@ -16,6 +16,7 @@ from orbident.report.charts import (
     MEASURED,
     Figure,
     Panel,
+    bars,
     decades,
     history,
     line,
@@ -152,16 +153,11 @@ def _lags(signal: Signal) -> Figure:
     panels = []
     for axis, e in zip(signal.axes, residuals(signal).T, strict=True):
         r = autocorrelation(e)
-        bars = {
-            "type": "bar",
-            "x": list(range(1, r.size + 1)),
-            "y": [float(f"{value:.3f}") for value in r],
-            "marker": {"color": ERROR},
-            "showlegend": False,
-        }
+        shown = [float(f"{value:.3f}") for value in r]
+        lags = bars(list(range(1, r.size + 1)), shown, ERROR)
         band = NINETY_FIVE / np.sqrt(e.size)
         largest = max(float(np.abs(r).max(initial=0.0)), 2 * band, 0.1)
-        panels.append(Panel(axis, [bars], band=band, y={"range": [-largest, largest]}))
+        panels.append(Panel(axis, [lags], band=band, y={"range": [-largest, largest]}))
     return stacked(panels, "lag (samples)")
 
 

@@ -279,7 +279,7 @@ def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
         return {}
     identification = Measured(run.records.identification, reading.identification)
     validation = Measured(run.records.validation, reading.validation)
-    predicted = _predicted(reading.result, validation)
+    rate, moved, velocity = _predicted(reading.result, validation)
     place = _position(identification.raw)
     thrust = {f"force {k} (N)": burn.column(f"force.{k}") for k in "xy"}
     return {
@@ -297,17 +297,15 @@ def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
         ),
         "fig11": PaperFigure(
             "Validation: base angle, and rate with its prediction",
-            _base(validation) | _named(predicted, "base rate z predicted (rad/s)"),
+            _base(validation) | rate,
         ),
         "fig12": PaperFigure(
             "Validation: position of S with its prediction",
-            _position(validation.raw)
-            | _named(predicted, *(f"S {k} predicted (m)" for k in "xy")),
+            _position(validation.raw) | moved,
         ),
         "fig13": PaperFigure(
             "Validation: velocity of S with its prediction",
-            _velocity(validation.ready)
-            | _named(predicted, *(f"S velocity {k} predicted (m/s)" for k in "xy")),
+            _velocity(validation.ready) | velocity,
         ),
     }
 
@@ -350,18 +348,17 @@ def _velocity(ready: Recording) -> dict[str, Column]:
     return {"t (s)": ready.t, **rate}
 
 
-def _predicted(result: Result, seen: Measured) -> dict[str, Column]:
+def _predicted(result: Result, seen: Measured) -> tuple[dict[str, Column], ...]:
     """Base rate, position and velocity of S; where S is on average is not predicted."""
     prediction = predict(result, seen.ready)
     v_S = prediction.v_S[:, :2]
     r_S = cumulative_trapezoid(v_S, prediction.t, axis=0, initial=0)
     r_S += np.mean(seen.raw.vector("position")[:, :2] - r_S, axis=0)
-    columns = {"base rate z predicted (rad/s)": prediction.w[:, 2]}
-    for k, axis in enumerate("xy"):
-        columns[f"S {axis} predicted (m)"] = r_S[:, k]
-        columns[f"S velocity {axis} predicted (m/s)"] = v_S[:, k]
-    return columns
-
-
-def _named(columns: Mapping[str, Column], *names: str) -> dict[str, Column]:
-    return {name: columns[name] for name in names}
+    return (
+        {"base rate z predicted (rad/s)": prediction.w[:, 2]},
+        {f"S {k} predicted (m)": x for k, x in zip("xy", r_S.T, strict=True)},
+        {
+            f"S velocity {k} predicted (m/s)": v
+            for k, v in zip("xy", v_S.T, strict=True)
+        },
+    )
