@@ -1,7 +1,6 @@
 """`orbident campaign SPEC -o DIR`, `campaign status DIR`, `campaign rerun DIR RUN`."""
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -83,8 +82,7 @@ def run(
         done = conduct(begun, out, executors, _Rate(show))
     unmade = _report(begun, out)
     output.warn([*unmade, *([_failures(out, done)] if done.failed else [])])
-    output.say(*_lines(begun, out, done))
-    output.write_json(_document(begun, out, done))
+    _tell(output, begun, out, done)
     if done.failed == done.of:
         raise typer.Exit(1)
 
@@ -100,9 +98,7 @@ def status(output: Output, folder: Folder) -> None:
     from orbident.campaigns.folder import opened
 
     begun = opened(folder)
-    done = status_of(begun, folder)
-    output.say(*_lines(begun, folder, done))
-    output.write_json(_document(begun, folder, done))
+    _tell(output, begun, folder, status_of(begun, folder))
 
 
 @campaign.command(epilog="Example: orbident campaign rerun campaign 17")
@@ -179,11 +175,23 @@ def _report(begun: Any, folder: Path) -> list[str]:
     return []
 
 
-def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
-    return [
+def _tell(output: Output, begun: Any, folder: Path, done: "Done") -> None:
+    """How far a campaign is, in words and as JSON."""
+    from orbident.campaigns.conduct import failed_runs
+
+    output.say(
         f"{folder}: {done.runs} of {done.of} runs made, {done.failed} of them failed",
         *(["", _levels(begun, folder)] if done.runs else []),
-    ]
+    )
+    output.write_json(
+        {
+            "folder": str(folder),
+            "runs": done.of,
+            "made": done.runs,
+            "failed": [int(path.stem) for path in failed_runs(folder)],
+            "entropy": begun.spec.entropy,
+        }
+    )
 
 
 def _levels(begun: Any, folder: Path) -> Any:
@@ -213,15 +221,3 @@ def _failures(folder: Path, done: "Done") -> str:
         f"{reason_in(first)}; see {first}, or 'orbident campaign rerun {folder} "
         f"{first.stem}'"
     )
-
-
-def _document(begun: Any, folder: Path, done: "Done") -> dict[str, Any]:
-    from orbident.campaigns.conduct import failed_runs
-
-    return {
-        "folder": str(folder),
-        "runs": done.of,
-        "made": done.runs,
-        "failed": [int(path.stem) for path in failed_runs(folder)],
-        "entropy": begun.spec.entropy,
-    }

@@ -309,13 +309,9 @@ def _conditions(
         from orbident.studies.spatial import paper_case
 
         paper = paper_case(robot)
-        given = replace(
-            paper.conditions,
-            duration=paper.conditions.duration if duration is None else duration,
-            harmonics=paper.conditions.harmonics if harmonics is None else harmonics,
-            limits=within,
-        )
-        return given, paper
+        asked = {"duration": duration, "harmonics": harmonics}
+        asked = {name: value for name, value in asked.items() if value is not None}
+        return replace(paper.conditions, limits=within, **asked), paper
     source = None if like is None else oi.load_trajectory(like)
     if duration is None:
         duration = DURATION if source is None else source.duration
