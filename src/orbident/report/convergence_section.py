@@ -10,6 +10,7 @@ import pyarrow.csv as arrow_csv
 from jaxtyping import Float, Int
 
 from orbident.errors import InputError
+from orbident.estimation.quantities import UNITS
 from orbident.estimation.solution import SMALL, Convergence
 from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import (
@@ -24,7 +25,7 @@ from orbident.report.charts import (
     line,
     stacked,
 )
-from orbident.report.page import Chart, Section
+from orbident.report.page import Chart, Section, typeset
 
 COST = "cost"
 SIZE = "largest change (standard deviations)"
@@ -77,8 +78,6 @@ def _curve(x: Int[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> Trace:
     dots = {"mode": "lines+markers", "marker": {"color": PREDICTED, "size": 6}}
     return {**line(x, y, PREDICTED), **dots}
 
-
-UNITS = {"M": "kg", "sigma": "kg m", "iota": "kg m²"}
 
 LEARNING = 5
 """The first fifth sets no scale."""
@@ -138,7 +137,9 @@ def recursion(trail: Trail | None) -> Section | None:
         return None
     panels = [
         Panel(
-            f"{name} ({UNITS[name.split('_')[0]]})", _course(trail, k), y=_y(trail, k)
+            f"{name} ({typeset(UNITS[name.split('_')[0]])})",
+            _course(trail, k),
+            y=_y(trail, k),
         )
         for k, name in enumerate(trail.names[:DRAWN])
     ]

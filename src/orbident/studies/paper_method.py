@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.base_parameters import EstimatedParameters
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
@@ -20,6 +21,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.integrals import integrate_gyro, velocity_from_accelerometer
 from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
 from orbident.preprocessing.rates import spline_rates
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
@@ -27,13 +29,6 @@ from orbident.studies.paper_tables import Columns, PaperBasis, paper_basis
 from orbident.trajectories.trajectory import InitialState
 
 Signals = dict[str, Float[np.ndarray, " n"]]
-
-
-class Filtered(NamedTuple):
-    """A position and its rate, both without their noise."""
-
-    x: Float[np.ndarray, " n"]
-    rate: Float[np.ndarray, " n"]
 
 
 @dataclass(frozen=True)
@@ -63,14 +58,14 @@ class Filters:
 
     def with_rate(
         self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str
-    ) -> Filtered:
-        """Filtered, differentiated, and filtered again.
+    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """Filtered, and its rate: differentiated, and filtered again.
 
         With the position's cut-off both times: noise is white, and so told from the
         signal, only before it is differentiated.
         """
         smooth = self.smooth(t, x, name)
-        return Filtered(smooth, self.smooth(t, spline_rates(t, smooth), name))
+        return smooth, self.smooth(t, spline_rates(t, smooth), name)
 
     def joints_and_wheels(self, robot: Robot, recording: Recording) -> Signals:
         """Positions and rates of joints, and speeds of wheels, from their encoders.
@@ -82,13 +77,12 @@ class Filters:
         t, columns = recording.t, {}
         for name in robot.joint_names:
             position = f"joint.{name}.position"
-            joint = self.with_rate(t, recording.column(position), position)
-            columns[position] = joint.x
-            columns[f"joint.{name}.velocity"] = joint.rate
+            q, qd = self.with_rate(t, recording.column(position), position)
+            columns |= {position: q, f"joint.{name}.velocity": qd}
         for name in robot.wheel_names:
             angle = f"wheel.{name}.position"
-            wheel = self.with_rate(t, recording.column(angle), angle)
-            columns[f"wheel.{name}.speed"] = wheel.rate
+            _, speed = self.with_rate(t, recording.column(angle), angle)
+            columns[f"wheel.{name}.speed"] = speed
         return columns
 
 
@@ -105,15 +99,15 @@ def from_imu(
             spaced.
     """
     t = recording.t
-    gyro = [f"gyro.{k}" for k in "xyz"]
+    gyro = vector_columns("gyro")
     w = [filters.smooth(t, recording.column(name), name) for name in gyro]
     x_WB = integrate_gyro(t, np.column_stack(w), initial.attitude)
     felt = velocity_from_accelerometer(t, x_WB, recording.vector("accelerometer"))
     columns = filters.joints_and_wheels(robot, recording)
     columns |= dict(zip(gyro, w, strict=True))
-    columns |= {f"attitude.{k}": x for k, x in zip("xyzw", x_WB.T, strict=True)}
+    columns |= zip(vector_columns("attitude"), x_WB.T, strict=True)
     v_S = initial.velocity + felt
-    columns |= {f"velocity.{k}": v for k, v in zip("xyz", v_S.T, strict=True)}
+    columns |= zip(vector_columns("velocity"), v_S.T, strict=True)
     return Recording(t, columns, source=recording.source)
 
 
@@ -129,18 +123,16 @@ def from_mocap(robot: Robot, recording: Recording, filters: Filters) -> Recordin
             spaced.
     """
     t = recording.t
-    yaw = filters.with_rate(t, yaw_of(recording.vector("attitude", "xyzw")), "attitude")
-    r_S = {
-        axis: filters.with_rate(t, recording.column(name), name)
-        for axis, name in (("x", "position.x"), ("y", "position.y"))
-    }
+    turned = yaw_of(recording.vector("attitude", "xyzw"))
+    yaw, rate = filters.with_rate(t, turned, "attitude")
+    _, v_x = filters.with_rate(t, recording.column("position.x"), "position.x")
+    _, v_y = filters.with_rate(t, recording.column("position.y"), "position.y")
     nothing = np.zeros(t.size)
     columns = filters.joints_and_wheels(robot, recording)
-    columns |= {"gyro.x": nothing, "gyro.y": nothing, "gyro.z": yaw.rate}
+    columns |= {"gyro.x": nothing, "gyro.y": nothing, "gyro.z": rate}
     columns |= {"attitude.x": nothing, "attitude.y": nothing}
-    columns |= {"attitude.z": np.sin(yaw.x / 2), "attitude.w": np.cos(yaw.x / 2)}
-    columns |= {f"velocity.{axis}": filtered.rate for axis, filtered in r_S.items()}
-    columns["velocity.z"] = nothing
+    columns |= {"attitude.z": np.sin(yaw / 2), "attitude.w": np.cos(yaw / 2)}
+    columns |= {"velocity.x": v_x, "velocity.y": v_y, "velocity.z": nothing}
     return Recording(t, columns, source=recording.source)
 
 
@@ -220,6 +212,12 @@ class PaperParameters(NamedTuple):
         """The result's; M is that of Eq. 32."""
         pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
         return np.concatenate([pi, phi, [result.mass.value]])
+
+    def std(self, found: EstimatedParameters) -> Float[np.ndarray, " parameters"]:
+        """Deviations of all but M, as those of the minimal sets make them."""
+        sets = (self.basis.pi_of_pi, found.pi), (self.basis.phi_of_phi, found.phi)
+        std = [np.sqrt(np.diag(J @ each.covariance @ J.T)) for J, each in sets]
+        return np.concatenate(std)
 
     def errors(
         self, found: Float[np.ndarray, " parameters"]

@@ -15,6 +15,7 @@ from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.validate import SCORED, Validation, scored
 from orbident.model.kinematics import JointState
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import (
@@ -117,11 +118,9 @@ def measured_record(robot: Robot, flight: FreeFlying, seed: int) -> Recording:
 
 def _thrust(flight: FreeFlying) -> dict[str, Float[np.ndarray, " n"]]:
     """What the valves were told: it is known, not measured."""
-    return {
-        f"{name}.{axis}": vector[:, k]
-        for name, vector in (("force", flight.force), ("torque", flight.torque))
-        for k, axis in enumerate("xyz")
-    }
+    names = *vector_columns("force"), *vector_columns("torque")
+    vectors = np.hstack([flight.force, flight.torque])
+    return dict(zip(names, vectors.T, strict=True))
 
 
 SPIN_UP = 10.0

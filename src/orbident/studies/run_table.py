@@ -165,9 +165,7 @@ class TableReading(NamedTuple):
         """The found sets in the basis of the table."""
         found, M = estimate.parameters, estimate.mass
         pi, phi = table.basis.pi(found.pi.values), table.basis.phi(found.phi.values)
-        sets = (table.basis.pi_of_pi, found.pi), (table.basis.phi_of_phi, found.phi)
-        std = [np.sqrt(np.diag(J @ each.covariance @ J.T)) for J, each in sets]
-        return cls(np.array([*pi, *phi, M.value]), np.concatenate([*std, [M.std]]))
+        return cls(np.array([*pi, *phi, M.value]), np.append(table.std(found), M.std))
 
 
 class TableRun(NamedTuple):

@@ -11,7 +11,6 @@ from jaxtyping import Float
 from orbident.campaigns.seeds import ONE_RUN, SeedRuns, Series, StudyRuns
 from orbident.choices import StudyNoise
 from orbident.errors import InputError
-from orbident.estimation.base_parameters import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.result import Result
@@ -35,7 +34,6 @@ from orbident.studies.paper_method import (
     paper_method,
 )
 from orbident.studies.paper_tables import (
-    Columns,
     PaperRow,
     paper_basis,
     planar_columns,
@@ -97,36 +95,26 @@ def paper_case(robot: Robot) -> PaperCase:
     Raises:
         InputError: the robot is neither `paper-spatial` nor `cepheus-like`.
     """
-    cases = {"paper-spatial": _spatial, "cepheus-like": _planar}
-    if robot.name not in cases:
+    if robot.name == "paper-spatial":
+        # Without limits in the paper; the robot file has what Table 2 reaches.
+        trajectory, columns, quoted = spatial_trajectory(robot), spatial_columns, None
+    elif robot.name == "cepheus-like":
+        # All at rest, then the wheel spun up: the base turns when recording starts.
+        printed = planar_trajectory(robot)
+        initial = spun_up(robot, dict(printed.initial.wheel_speed), printed.start)
+        trajectory = replace(printed, initial=initial)
+        columns, quoted = planar_columns(), paper_tables.PLANAR_CONDITION
+    else:
         raise InputError(
             f"{robot.name}: --like-paper: the paper has no trajectory for it; use "
-            f"{' or '.join(cases)}"
+            "paper-spatial or cepheus-like"
         )
-    trajectory, columns, quoted = cases[robot.name](robot)
     basis = paper_basis(minimal_sets(robot), columns)
     given = conditions_for(robot, trajectory.duration, HARMONICS, like=trajectory)
     in_paper_basis = Basis(
         np.linalg.inv(basis.pi_of_pi), np.linalg.inv(basis.phi_of_phi)
     )
     return PaperCase(replace(given, basis=in_paper_basis), trajectory, quoted)
-
-
-_Case = tuple[Trajectory, Columns, float | None]
-
-
-def _spatial(robot: Robot) -> _Case:
-    """Without limits in the paper; the robot file has what Table 2 reaches."""
-    return spatial_trajectory(robot), spatial_columns, None
-
-
-def _planar(robot: Robot) -> _Case:
-    """All at rest, then the wheel spun up: the base turns when recording starts."""
-    printed = planar_trajectory(robot)
-    speeds = dict(printed.initial.wheel_speed)
-    spinning = replace(printed, initial=spun_up(robot, speeds, printed.start))
-    columns = planar_columns()
-    return spinning, columns, paper_tables.PLANAR_CONDITION
 
 
 EXACT = 1e-9
@@ -210,7 +198,9 @@ def run_spatial(
         runs, rejected = ONE_RUN, result.status == "rejected"
     else:
         first = recording, result = noisy.run(runs.first)
-        least = _bounds(table, bound_of(robot, trajectory).parameters)
+        bound = bound_of(robot, trajectory).parameters
+        std = np.append(table.std(bound), np.sqrt(bound.base.covariance[0, 0]))
+        least = 100 * np.abs(std / table.true)
         sensors = list(robot.sensors.declared) if method == "paper" else []
         some = runs.numbers[:SEEDS_BY_SENSOR]
         errors, *parts = runs.over(
@@ -234,17 +224,6 @@ def run_spatial(
         rejected=int(rejected),
         elapsed_s=time.perf_counter() - started,
     )
-
-
-def _bounds(
-    table: PaperParameters, bound: EstimatedParameters
-) -> Float[np.ndarray, " parameters"]:
-    """Bounds of the parameters' deviations, in percent."""
-    pi = table.basis.pi_of_pi, bound.pi.covariance
-    phi = table.basis.phi_of_phi, bound.phi.covariance
-    M = np.eye(1), bound.base.covariance[:1, :1]
-    std = [np.sqrt(np.einsum("ij,jk,ik->i", J, C, J)) for J, C in (pi, phi, M)]
-    return 100 * np.abs(np.concatenate(std) / table.true)
 
 
 def _rows(

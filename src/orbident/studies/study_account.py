@@ -128,8 +128,8 @@ def _real_table(done: TableStudy) -> StudyAccount:
                 (
                     row.name,
                     *(Numeric(x, ".4g") for x in (row.true, row.estimate)),
-                    Numeric(row.error_percent, ".2g"),
-                    Numeric(row.rms_error_percent, ".2g"),
+                    _percent(row.error_percent),
+                    _percent(row.rms_error_percent),
                     Numeric(row.sigmas, ".1f"),
                 )
                 for row in done.methods[way]
@@ -141,24 +141,14 @@ def _real_table(done: TableStudy) -> StudyAccount:
     worst = [
         max(done.methods[way], key=lambda row: row.rms_error_percent) for way in WAYS
     ]
-    lines = {
-        "mass: RMS error (%)": (row.rms_error_percent for row in masses),
-        "mass: deviation (%)": (row.std_percent for row in masses),
-        "worst parameter": (row.name for row in worst),
-        "worst: RMS error (%)": (row.rms_error_percent for row in worst),
-        "worst: deviation (%)": (row.std_percent for row in worst),
-    }
-    summary = table_of(
-        "Mass and worst parameter",
-        ("", *WAYS.values()),
-        (
-            (
-                line,
-                *(x if isinstance(x, str) else Numeric(x, ".2g") for x in cells),
-            )
-            for line, cells in lines.items()
-        ),
+    lines = (
+        ("mass: RMS error (%)", *(_percent(row.rms_error_percent) for row in masses)),
+        ("mass: deviation (%)", *(_percent(row.std_percent) for row in masses)),
+        ("worst parameter", *(row.name for row in worst)),
+        ("worst: RMS error (%)", *(_percent(row.rms_error_percent) for row in worst)),
+        ("worst: deviation (%)", *(_percent(row.std_percent) for row in worst)),
     )
+    summary = table_of("Mass and worst parameter", ("", *WAYS.values()), lines)
     acted = (
         (
             f"{each.name}, {each.unit}",
@@ -228,14 +218,18 @@ def _beside_paper(
             *_printed(row.paper_error_percent, ".2g"),
             Numeric(row.true, ".6g", row.estimate - row.true),
             Numeric(row.estimate, ".6g", row.estimate - row.true),
-            Numeric(row.error_percent, ".2g"),
-            Numeric(row.rms_error_percent, ".2g"),
-            Numeric(row.worst_error_percent, ".2g"),
-            Numeric(row.cramer_rao_percent, ".2g"),
+            _percent(row.error_percent),
+            _percent(row.rms_error_percent),
+            _percent(row.worst_error_percent),
+            _percent(row.cramer_rao_percent),
         )
         for row in rows
     )
     return table_of(title, head, cells).without_empty_columns()
+
+
+def _percent(number: float) -> Numeric:
+    return Numeric(number, ".2g")
 
 
 def _printed(number: float | None, form: str) -> tuple[Cell]:
@@ -246,7 +240,7 @@ def _printed(number: float | None, form: str) -> tuple[Cell]:
 def _by_sensor(done: SpatialStudy) -> DataTable:
     sets = np.array([row.name.partition("_")[0] for row in done.rows])
     rows = (
-        (sensor, *(Numeric(np.max(rms[sets == k]), ".2g") for k in ("pi", "phi", "M")))
+        (sensor, *(_percent(np.max(rms[sets == k])) for k in ("pi", "phi", "M")))
         for sensor, rms in done.by_sensor.items()
     )
     head = "sensor", "worst pi (%)", "worst phi (%)", "M (%)"
