@@ -104,7 +104,6 @@ def _parameter_line(row: TableRow) -> str:
 
 
 def _masses(result: Any) -> list[str]:
-    """The mass by every route."""
     routes, lines = result.mass_forms, []
     for row in mass_rows(routes, range(len(routes.names))):
         name, value, std, _, sigmas = map(str, row.cells)

@@ -114,7 +114,6 @@ def study(
 
 
 def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
-    """What runs it."""
     if name == "spatial":
         from orbident.studies.spatial import run_spatial
 
@@ -207,7 +206,6 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
 def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
-    """Write report and pictures."""
     from orbident.files.replacing import replacing
     from orbident.report.study_page import (
         drawn_cut_off,

@@ -188,18 +188,6 @@ def wheel_joints(robot: Robot) -> dict[int, WheelJoint]:
     return found
 
 
-def wheel_bodies(robot: Robot) -> tuple[WheelBody, ...]:
-    """The robot's wheels, in their order, as bodies that can exist.
-
-    Raises:
-        InputError: the robot was not loaded from a URDF.
-    """
-    joints = wheel_joints(robot)
-    return tuple(
-        _wheel_body(robot, wheel, joints.get(k)) for k, wheel in enumerate(robot.wheels)
-    )
-
-
 def parts_of_base(
     robot: Robot, wheels: Iterable[WheelJoint | WheelBody]
 ) -> Float[np.ndarray, "bodies 10"]:
@@ -211,6 +199,7 @@ def parts_of_base(
 
 
 def _wheel_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> WheelBody:
+    """The wheel as a body that can exist."""
     ball = from_mass_com_inertia(
         LIGHT * robot.mass, np.zeros(3), wheel.inertia * np.eye(3)
     )
@@ -295,7 +284,10 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
     if massless and not without_rotors:
         none = f"simulators have no bodies without mass, such as '{massless[0]}'"
         raise InputError(f"{robot.name}: {none}; export a .urdf")
-    wheels = wheel_bodies(robot)
+    joints = wheel_joints(robot)
+    wheels = tuple(
+        _wheel_body(robot, wheel, joints.get(k)) for k, wheel in enumerate(robot.wheels)
+    )
     apart, covariance = parts_of_base(robot, wheels), result.base_covariance
     geared = theta_with_rotors(robot) - robot.theta
     if without_rotors:

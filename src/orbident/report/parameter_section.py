@@ -2,6 +2,7 @@
 
 import html
 from collections.abc import Iterable, Iterator
+from itertools import chain
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -116,24 +117,17 @@ def spring_table(result: Result) -> DataTable:
 
 def drive_table(result: Result) -> DataTable:
     """What torques of joints drive beside what the joints move."""
-    rows = tuple(
-        (name, *(x for value, std in pairs for x in _known(value, std)))
-        for name, fit in result.drives.items()
-        for pairs in [zip(fit[2::2], fit[3::2], strict=True)]
-    )
-    rotors = tuple(
-        _known(fit.armature, fit.armature_std) for fit in result.drives.values()
-    )
-    parts = ("viscous", "Coulomb", "offset")
+    geared = any(fit.armature for fit in result.drives.values())
+    parts = ("viscous", "Coulomb", "offset", *(["N (N - 1) J"] if geared else []))
+    rows = []
+    for name, fit in result.drives.items():
+        # The rotor is the first in a fit, and the last in the table.
+        numbers = fit[2:] + fit[:2] if geared else fit[2:]
+        pairs = zip(numbers[::2], numbers[1::2], strict=True)
+        cells = ((Numeric(x, ".4g", std), Numeric(std, ".2g")) for x, std in pairs)
+        rows.append((name, *chain.from_iterable(cells)))
     head = ("joint", *(x for part in parts for x in (part, "± std")))
-    if any(fit.armature for fit in result.drives.values()):
-        head += ("N (N - 1) J", "± std")
-        rows = tuple((*row, *more) for row, more in zip(rows, rotors, strict=True))
     return table_of("Friction and rotors of joints, SI", head, rows)
-
-
-def _known(value: float, std: float) -> tuple[Numeric, Numeric]:
-    return Numeric(value, ".4g", std), Numeric(std, ".2g")
 
 
 def masses(result: Result, known_as: str) -> Section | None:
