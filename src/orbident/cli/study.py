@@ -11,7 +11,6 @@ import orbident as oi
 from orbident.choices import StudyNoise
 from orbident.cli.options import Force, Workers, as_typed
 from orbident.cli.output import Output, progress
-from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
 RUN = "run"
@@ -154,11 +153,10 @@ def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:
 
 
 def _check_free(out: Path, name: Study, force: bool) -> None:
-    for file in _files(name):
-        if (out / file).exists() and not force:
-            raise InputError(
-                f"{out / file}: exists already; name another DIR, or use --force"
-            )
+    from orbident.files.replacing import check_free
+
+    for file in _files(name) if out.exists() else ():
+        check_free(out / file, force)
 
 
 def _keep(
@@ -207,16 +205,12 @@ def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
     from orbident.files.replacing import replacing
-    from orbident.report.study_page import (
-        drawn_cut_off,
-        unit_of_signal,
-        write_study_report,
-    )
+    from orbident.report.study_page import drawn_cut_off, write_study_report
 
     write_study_report(done, result, title, folder)
     if cut_offs:
         (folder / CUT_OFFS).mkdir(exist_ok=True)
     for signal, cut_off in cut_offs.items():
-        drawing = drawn_cut_off(cut_off, signal, unit_of_signal(signal))
+        drawing = drawn_cut_off(cut_off, signal)
         with replacing(folder / CUT_OFFS / f"{signal}.png") as path:
             drawing.savefig(path, format="png", dpi=150)

@@ -200,26 +200,27 @@ def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
             Chart(
                 f"cut-off-{k}",
                 f"{label(name)}: cut-off {short(cut_off.frequency)} Hz",
-                _spectrum(cut_off, unit_of_signal(name)),
+                _spectrum(cut_off, _unit_of(name)),
             )
             for k, (name, cut_off) in enumerate(found.items())
         ),
     )
 
 
-def unit_of_signal(signal: str) -> str:
+def _unit_of(signal: str) -> str:
     """The unit of the signal's samples: of joints and wheels, of an angle."""
     return SIGNAL_UNITS.get(signal.split(".", 1)[0], "rad")
 
 
-def drawn_cut_off(cut_off: CutOff, title: str, unit: str) -> Drawing:
-    """The amplitude spectrum, and the residual analysis beside it."""
+def drawn_cut_off(cut_off: CutOff, signal: str) -> Drawing:
+    """The amplitude spectrum of a signal, and the residual analysis beside it."""
+    unit = _unit_of(signal)
     spectrum = Chart("spectrum", "Spectrum", _spectrum(cut_off, unit))
     residual = Chart("residual", "Residual analysis", _residual(cut_off, unit))
     for chart in (spectrum, residual):
         chart.figure["layout"]["height"] = SPECTRUM_HEIGHT
     drawing = drawn([[spectrum, residual]])
-    drawing.suptitle(f"{title}: cut-off {cut_off.frequency:.3g} Hz")
+    drawing.suptitle(f"{signal}: cut-off {cut_off.frequency:.3g} Hz")
     return drawing
 
 

@@ -14,7 +14,7 @@ NOISE = 1e-3 * np.random.default_rng(0).standard_normal(T.size)
 
 
 def drawing_of(x, t=T):
-    return drawn_cut_off(choose_cut_off(t, x), "joint1", "rad")
+    return drawn_cut_off(choose_cut_off(t, x), "joint1")
 
 
 def png_of(x):
