@@ -92,7 +92,12 @@ def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
         ours = (*sums, MANIFEST)
         finish(folder, ours)
         if (folder / MANIFEST).exists():
-            _check_same(folder, sums)
+            if other := _differing(_manifest(folder)["sha256"], sums):
+                raise InputError(
+                    f"{folder}: holds another campaign ({quoted(other[0])} differs); "
+                    "name another DIR"
+                )
+            check_versions(folder, versions())
             return opened(folder)
         free = folder.is_dir() and all(x.name[0] == "." for x in folder.iterdir())
         if folder.exists() and not free:
@@ -188,16 +193,6 @@ def _sums(folder: Path) -> dict[str, str]:
 def _differing(one: Mapping[str, str], other: Mapping[str, str]) -> list[str]:
     names = sorted({*one, *other})
     return [name for name in names if one.get(name) != other.get(name)]
-
-
-def _check_same(folder: Path, sums: dict[str, str]) -> None:
-    other = _differing(_manifest(folder)["sha256"], sums)
-    if other:
-        raise InputError(
-            f"{folder}: holds another campaign ({quoted(other[0])} differs); name "
-            "another DIR"
-        )
-    check_versions(folder, versions())
 
 
 def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> None:

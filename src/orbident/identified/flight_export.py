@@ -21,7 +21,6 @@ from orbident.estimation.linear_fits import known_momentum
 from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
     Extended,
-    GaussianPrior,
     cad_covariance,
     cad_prior,
     factor_of,
@@ -54,17 +53,12 @@ PER_LINE = 6
 Floats = Sequence[float] | np.ndarray
 
 
-def robot_header(
-    robot: Robot,
-    kalman: Extended,
-    prior: GaussianPrior,
-    change: np.ndarray,
-    detector: Detector,
-) -> str:
+def robot_header(robot: Robot, kalman: Extended, detector: Detector) -> str:
     """The text of `robot.h`; every number is written to its last bit.
 
-    A change of the robot adds the covariance `L L^T`, of which `change` is `L`.
+    A change of the robot adds the covariance of the CAD values.
     """
+    prior, change = cad_prior(robot), factor_of(cad_covariance(robot, UNCERTAINTY))
     tables = _core.flight_tables(kalman.core)
     memory, state = _core.flight_memory(kalman.core, detector.window)
     sets, own = kalman.sets, kalman.sets.regressors
@@ -227,9 +221,8 @@ def export_flight(
     replayed = {"TIME": given.t, "SAMPLE": given.samples, "BETA": seen.beta}
     replayed["STATISTIC"] = statistic
     golden = {name: table[:MOST] for name, table in replayed.items()}
-    change = factor_of(cad_covariance(robot, UNCERTAINTY))
     made = {
-        "robot.h": robot_header(robot, kalman, cad_prior(robot), change, detector),
+        "robot.h": robot_header(robot, kalman, detector),
         GOLDEN: _golden(golden, h_cm),
     }
     copied = dict(_copied())
