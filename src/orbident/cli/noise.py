@@ -44,7 +44,7 @@ def noise(
     import yaml
 
     from orbident.files.names import counted
-    from orbident.files.replacing import check_free
+    from orbident.files.replacing import check_free, write_text
     from orbident.noise.rest_noise import noise_table, rest_noise, sensor_section
 
     for place in (out, plot):
@@ -62,8 +62,6 @@ def noise(
         {"sensors": section}, sort_keys=False, default_flow_style=None
     )
     if out is not None:
-        from orbident.files.replacing import write_text
-
         write_text(out, written)
     where = written.rstrip() if out is None else f"written: {out}"
     output.warn(

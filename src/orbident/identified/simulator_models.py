@@ -32,7 +32,7 @@ from orbident.identified.exported_robot import (
 )
 from orbident.identified.generated_code import template_text
 from orbident.model.core_robot import theta_with_rotors
-from orbident.robot.description import NO_FRICTION, Friction, Joint, Robot
+from orbident.robot.description import NO_FRICTION, Joint, Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
@@ -68,14 +68,8 @@ def mjcf(robot: Mechanism) -> str:
     _add_inertial(base, robot.theta[0])
     ET.SubElement(base, "site", name=FEATURE_POINT, pos=spaced(robot.feature_point))
     bodies = [base]
-    for name, joint, theta, armature in zip(
-        robot.bodies[1:], robot.joints, robot.theta[1:], robot.armature, strict=True
-    ):
-        friction = robot.friction.get(joint.name, NO_FRICTION)
-        bodies.append(
-            _body(bodies[joint.parent], name, joint, float(armature), friction)
-        )
-        _add_inertial(bodies[-1], theta)
+    for k, joint in enumerate(robot.joints):
+        bodies.append(_body(bodies[joint.parent], robot, k))
     for follower, leader, factor, offset in robot.couplings:
         ET.SubElement(
             ET.SubElement(root, "equality"),
@@ -102,9 +96,10 @@ def _add_root_joints(base: ET.Element, robot: Mechanism) -> None:
         ET.SubElement(base, "joint", name=free, type=kind, axis=axis)
 
 
-def _body(
-    parent: ET.Element, name: str, joint: Joint, armature: float, friction: Friction
-) -> ET.Element:
+def _body(parent: ET.Element, robot: Mechanism, k: int) -> ET.Element:
+    """The body that joint `k` moves."""
+    name, joint = robot.bodies[k + 1], robot.joints[k]
+    friction = robot.friction.get(joint.name, NO_FRICTION)
     x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
     body = ET.SubElement(parent, "body", name=name, pos=spaced(joint.p_PJ), quat=x)
     about = ET.SubElement(
@@ -116,11 +111,14 @@ def _body(
     )
     if joint.position is not None:
         about.set("range", spaced(joint.within(LARGEST)))
-    if armature:
-        about.set("armature", repr(armature))
-    for key, value in (("damping", friction[0]), ("frictionloss", friction[1])):
+    for key, value in (
+        ("armature", float(robot.armature[k])),
+        ("damping", friction.viscous),
+        ("frictionloss", friction.coulomb),
+    ):
         if value:
             about.set(key, repr(value))
+    _add_inertial(body, robot.theta[k + 1])
     return body
 
 
