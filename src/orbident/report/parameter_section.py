@@ -265,7 +265,8 @@ def sensitivities(result: Result) -> Section | None:
     size = np.nan_to_num(np.abs(table.shifts))
     parameters, errors = _largest(size.max(axis=1)), _largest(size.max(axis=0))
     what = dict(zip(result.base.names, physical_names(result.base), strict=True))
-    names = [what.get(table.parameters[k], table.parameters[k]) for k in parameters]
+    symbols = [table.parameters[k] for k in parameters]
+    names = [what.get(symbol, symbol) for symbol in symbols]
     causes = [error_in_words(table.errors[k], table.units[k]) for k in errors]
     shifts = table.shifts[np.ix_(parameters, errors)].T
     # Shifts of 1 and of 100 are to be told apart.
@@ -312,9 +313,9 @@ def error_in_words(error: str, unit: str) -> str:
     return f"1 {unit}: {error.replace('.', ' ').replace('_', ' ')}"
 
 
-def _largest(size: Float[np.ndarray, " n"]) -> Int[np.ndarray, " most"]:
+def _largest(size: Float[np.ndarray, " n"]) -> list[int]:
     """The `READABLE` largest, in their order."""
-    return np.sort(np.argsort(-size, kind="stable")[:READABLE])
+    return sorted(np.argsort(-size, kind="stable")[:READABLE].tolist())
 
 
 def _cell(shift: float) -> str:
