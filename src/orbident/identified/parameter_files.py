@@ -163,13 +163,9 @@ def write_mat(result: Result, path: Path) -> None:
         "covariance_of_pi_and_phi": result.covariance,
         "signals": {
             name: {
-                "name": signal.name,
+                **signal._asdict(),
                 "axes": _cells(signal.axes),
                 "units": _cells(signal.units),
-                "t": signal.t,
-                "measured": signal.measured,
-                "predicted": signal.predicted,
-                "std": signal.std,
             }
             for name, signal in zip(names, signals, strict=True)
         },

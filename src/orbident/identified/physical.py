@@ -39,49 +39,6 @@ TOLERANCE = 1e-10
 """Of the solver: feasibility, and the gap to the least cost."""
 
 
-def nearest_to_one(
-    A: Float[np.ndarray, "equations entries"],
-    b: Float[np.ndarray, " equations"],
-) -> Float[np.ndarray, "n 4 4"] | None:
-    """Symmetric `X_i > 0` with `A vec(X) = b`, least `sum tr X_i - log det X_i`.
-
-    The equations are over all entries of all matrices, row after row. None where there
-    are no such matrices.
-
-    Raises:
-        MissingLibraryError: cvxpy is not installed.
-    """
-    cp = _cvxpy()
-    X, sides, divergence = _sought(cp, A)
-    return _solved(cp, X, divergence, [sides == b])
-
-
-def nearest_within(
-    A: Float[np.ndarray, "equations entries"],
-    b: Float[np.ndarray, " equations"],
-    root: Float[np.ndarray, "equations r"],
-    most: float,
-) -> tuple[Float[np.ndarray, "n 4 4"], float] | None:
-    """The same with `A vec(X) = b + root z`, where `|z|` is hardly more than it must.
-
-    The covariance of `b` is `root root^T`, and `z` is at most so long as `most`. With
-    the matrices comes `|z|`; None where there are none with so short a `z`.
-
-    Raises:
-        MissingLibraryError: cvxpy is not installed.
-    """
-    cp = _cvxpy()
-    (X, sides, divergence), z = _sought(cp, A), cp.Variable(root.shape[1])
-    off = cp.norm(z)
-    equations = [sides == b + root @ z]
-    bounded = [*equations, *(each >> SMALLEST * np.eye(4) for each in X)]
-    if _solved(cp, X, off, bounded) is None or off.value > most:
-        return None
-    within = [*equations, off <= ROOM * float(off.value)]
-    found = _solved(cp, X, divergence, within)
-    return None if found is None else (found, float(off.value))
-
-
 def _sought(
     cp: ModuleType, A: Float[np.ndarray, "equations entries"]
 ) -> tuple[list[Any], Any, Any]:
@@ -176,7 +133,10 @@ def nearest_dynamics(result: Result) -> Dynamics | None:
 
 
 class _Equations(NamedTuple):
-    """`A vec(X) = b`: what the bodies `P_i = L X_i L^T` have to meet."""
+    """`A vec(X) = b`: what the bodies `P_i = L X_i L^T` have to meet.
+
+    It is over all entries of all matrices, row after row.
+    """
 
     A: Float[np.ndarray, "equations entries"]
     b: Float[np.ndarray, " equations"]
@@ -208,24 +168,40 @@ def _equations(
 
 
 def _exactly(met: _Equations) -> tuple[Float[np.ndarray, "bodies 4 4"], float] | None:
-    X = nearest_to_one(met.A, met.b)
-    if X is None:
+    """Symmetric `X_i > 0` with `A vec(X) = b`, least `sum tr X_i - log det X_i`."""
+    cp = _cvxpy()
+    X, sides, divergence = _sought(cp, met.A)
+    found = _solved(cp, X, divergence, [sides == met.b])
+    if found is None:
         return None
     # What the solver left over, by the least change of any body.
-    off = met.b - met.A @ X.ravel()
-    return X + np.linalg.lstsq(met.A, off)[0].reshape(X.shape), 0.0
+    off = met.b - met.A @ found.ravel()
+    return found + np.linalg.lstsq(met.A, off)[0].reshape(found.shape), 0.0
 
 
 def _within_covariance(
     covariance: Float[np.ndarray, "beta beta"], met: _Equations
 ) -> tuple[Float[np.ndarray, "bodies 4 4"], float] | None:
+    """The same with `A vec(X) = b + root z`, where `|z|` is hardly more than it must.
+
+    The covariance of `b` is `root root^T`. With the matrices comes `|z|`; there are
+    none where it would leave the ellipsoid.
+    """
     size = len(covariance)
     root = np.zeros((met.b.size, size))
     root[:size] = root_of(covariance) / met.scale[:size, None]
     if not np.isfinite(root).all():
         return None
-    most = float(np.sqrt(chdtri(size, 1 - CONFIDENCE)))
-    return nearest_within(met.A, met.b, root, most)
+    cp = _cvxpy()
+    (X, sides, divergence), z = _sought(cp, met.A), cp.Variable(size)
+    off, most = cp.norm(z), float(np.sqrt(chdtri(size, 1 - CONFIDENCE)))
+    equations = [sides == met.b + root @ z]
+    bounded = [*equations, *(each >> SMALLEST * np.eye(4) for each in X)]
+    if _solved(cp, X, off, bounded) is None or off.value > most:
+        return None
+    within = [*equations, off <= ROOM * float(off.value)]
+    found = _solved(cp, X, divergence, within)
+    return None if found is None else (found, float(off.value))
 
 
 def _nominal(
