@@ -25,6 +25,7 @@ from orbident.campaigns.executors import Executors, computed
 from orbident.campaigns.folder import (
     FAILED,
     RERUN,
+    ROWS,
     Campaign,
     Row,
     arrow_table,
@@ -33,14 +34,13 @@ from orbident.campaigns.folder import (
     path_of,
     read_chunk,
     schema_of,
-    working,
     write_rows,
 )
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.estimation.results import versions
-from orbident.files.replacing import write_text, writing
+from orbident.files.replacing import locked, write_text, writing
 from orbident.files.text import read_text, sha256
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
@@ -217,8 +217,11 @@ def conduct(
         InputError: another command is at it, the folder cannot be written, rows that
             are there are damaged, or workers die again and again.
     """
-    schema = schema_of(campaign)
-    with working(folder):
+    schema, rows = schema_of(campaign), folder / ROWS
+    with writing(folder):
+        rows.mkdir(exist_ok=True)
+    # No other command is to run the campaign meanwhile.
+    with locked(rows):
         # That rows cannot be used is said before others are made for hours.
         for chunk in done_chunks(campaign, folder):
             read_chunk(campaign, folder, chunk, schema)

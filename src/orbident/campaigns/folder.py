@@ -10,8 +10,8 @@
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -29,11 +29,9 @@ from orbident.estimation.results import versions
 from orbident.files.names import quoted
 from orbident.files.replacing import (
     finish,
-    locked,
     replacing,
     replacing_files,
     write_text,
-    writing,
 )
 from orbident.files.text import read_text, sha256
 from orbident.model.formulas import formulas_of
@@ -131,20 +129,6 @@ def opened(folder: Path) -> Campaign:
         for at in (folder / f"robot{k}" for k in range(len(spec.robots)))
     )
     return Campaign(spec, subjects)
-
-
-@contextmanager
-def working(folder: Path) -> Iterator[None]:
-    """No other command runs the campaign of this folder during the block.
-
-    Raises:
-        InputError: another one does, or the folder cannot be written.
-    """
-    rows = folder / ROWS
-    with writing(folder):
-        rows.mkdir(exist_ok=True)
-    with locked(rows):
-        yield
 
 
 def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") -> None:
