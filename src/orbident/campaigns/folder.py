@@ -27,12 +27,7 @@ from orbident.errors import InputError
 from orbident.estimation.checks import LEVELS
 from orbident.estimation.results import versions
 from orbident.files.names import quoted
-from orbident.files.replacing import (
-    finish,
-    replacing,
-    replacing_files,
-    write_text,
-)
+from orbident.files.replacing import finish, replacing, replacing_files, write_text
 from orbident.files.text import read_text, sha256
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets

@@ -296,13 +296,14 @@ def pose_errors(result: Result, recording: Recording) -> PoseErrors:
 
     The result has all of its base parameters.
     """
-    robot, sets = result.robot, minimal_sets(result.robot)
+    robot = replace(result.robot, disturbances={}, momentum_walk=MomentumWalk())
+    clean = cleaned(robot, recording, Settings()).recording
     errors = {name: each.value for name, each in result.calibration.items()}
     late = corrections(result.clocks)
-    nominal = sets.beta(robot.theta)
+    nominal = minimal_sets(robot).beta(robot.theta)
     return PoseErrors(
-        _relative(robot, result.base.values, errors, recording, late),
-        _relative(robot, nominal, {}, recording, late),
+        _relative(robot, result.base.values, errors, clean, late),
+        _relative(robot, nominal, {}, clean, late),
     )
 
 
@@ -310,11 +311,9 @@ def _relative(
     robot: Robot,
     beta: Float[np.ndarray, " beta"],
     errors: Mapping[str, float],
-    recording: Recording,
+    clean: Recording,
     late: Mapping[str, float],
 ) -> dict[str, float]:
-    alone = replace(robot, disturbances={}, momentum_walk=MomentumWalk())
-    clean = cleaned(alone, recording, Settings()).recording
     off: dict[str, float] = dict.fromkeys(POSE, 0.0)
     size = off.copy()
     for k in range(int((clean.t[-1] - clean.t[0]) / WINDOW)):
@@ -322,7 +321,7 @@ def _relative(
         window = clean.between(start, start + WINDOW)
         # Where a window has too few samples, it has none to compare with.
         with suppress(InputError):
-            for name, error, about in _predicted(alone, beta, errors, window, late):
+            for name, error, about in _predicted(robot, beta, errors, window, late):
                 off[name] += float(np.sum(error**2))
                 size[name] += float(np.sum(about**2))
     return {name: float(np.sqrt(off[name] / size[name])) for name in POSE if size[name]}

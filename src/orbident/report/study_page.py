@@ -30,7 +30,7 @@ from orbident.report.charts import (
 )
 from orbident.report.drawing import Drawing, drawn, kept
 from orbident.report.page import Chart, Picture, Section, page, short, verdict_of
-from orbident.report.write import sections_of, signals_to_show
+from orbident.report.write import sections_of
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.run_planar import PaperFigure, PlanarStudy
@@ -141,7 +141,6 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
         InputError: nothing can be written there.
     """
     first = own_sections(done, folder)
-    signals = signals_to_show(result)
     verdict = verdict_of(result)
     level = "trust" if done.trusted else "do not trust"
     reason = f"the study's aim is {'' if done.trusted else 'not '}met"
@@ -151,7 +150,7 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
         title=title,
         subtitle=f"{counted(done.seeds, 'run')}; below, the first",
         verdict=verdict._replace(level=worst(checks), checks=checks),
-        sections=[*first, *sections_of(result, signals, known_as=known_as)],
+        sections=[*first, *sections_of(result, known_as=known_as)],
     )
     path = folder / REPORT
     write_text(path, text)

@@ -9,7 +9,7 @@ import yaml
 from orbident.data_table import Cell, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.estimation.signals import SIGNAL_UNITS, Signals
+from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.files.replacing import write_text
 from orbident.identified.prediction import WINDOW
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
@@ -206,8 +206,7 @@ def report_page(
     validated: Section | None = None,
 ) -> str:
     """The report as HTML."""
-    sections = sections_of(result, signals_to_show(result), trail)
-    first, *others = sections
+    first, *others = sections_of(result, trail)
     shown = [] if validated is None else [validated]
     if replay and first.name == "parameters":
         # What is looked at first stands at the top, beside each other.
@@ -221,22 +220,14 @@ def report_page(
     )
 
 
-def signals_to_show(result: Result) -> Signals:
-    """The signals of which there are enough samples to look at."""
-    return tuple(signal for signal in result.signals() if signal.t.size >= FEWEST)
-
-
 def sections_of(
-    result: Result,
-    signals: Signals,
-    trail: Trail | None = None,
-    known_as: str = "CAD",
+    result: Result, trail: Trail | None = None, known_as: str = "CAD"
 ) -> list[Section]:
     """All that is said of a result, in order.
 
-    The signals are `signals_to_show` of it; nominal values are known as CAD, or as the
-    truth in a simulation.
+    Nominal values are known as CAD, or as the truth in a simulation.
     """
+    signals = tuple(each for each in result.signals() if each.t.size >= FEWEST)
     sections = [
         parameters(result, known_as),
         masses(result, known_as),
