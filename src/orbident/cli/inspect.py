@@ -1,6 +1,6 @@
 """`orbident inspect ROBOT`."""
 
-from math import inf, nan
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -102,11 +102,11 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
 
 def _deviations(known: Any) -> list[float | None]:
     """Standard deviations; none where the trajectory does not tell."""
-    from orbident.files.json_parts import nulled
-
     std = known.covariance.diagonal() ** 0.5
-    std[~known.determined] = nan
-    return nulled(std)
+    return [
+        float(value) if sure else None
+        for value, sure in zip(std, known.determined, strict=True)
+    ]
 
 
 def _robot(robot: Any, document: dict[str, Any]) -> list[str]:

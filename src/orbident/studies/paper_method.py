@@ -213,7 +213,7 @@ class PaperParameters(NamedTuple):
         pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
         return np.concatenate([pi, phi, [result.mass.value]])
 
-    def std(self, found: EstimatedParameters) -> Float[np.ndarray, " parameters"]:
+    def std(self, found: EstimatedParameters) -> Float[np.ndarray, " all_but_M"]:
         """Deviations of all but M, as those of the minimal sets make them."""
         sets = (self.basis.pi_of_pi, found.pi), (self.basis.phi_of_phi, found.phi)
         std = [np.sqrt(np.diag(J @ each.covariance @ J.T)) for J, each in sets]
