@@ -32,8 +32,11 @@ def demo(
     knows. What it shows of the robot predicts another flight, beside what CAD predicts.
     The report opens in the browser, where there is one.
     """
+    import numpy as np
+
     from orbident.cli.identify_tables import summary, warnings_of
     from orbident.files.replacing import check_free
+    from orbident.identified.prediction import predict
     from orbident.identified.run_folder import check_absent
     from orbident.scene.replay import with_cad_values
     from orbident.studies import demo as study
@@ -62,7 +65,10 @@ def demo(
         raise typer.Exit(1)
     cad = with_cad_values(result)
     away = {"identified": flown.farthest(result), "CAD": flown.farthest(cad)}
-    off = {"identified": flown.turned_off(result), "CAD": flown.turned_off(cad)}
+    off = {
+        name: float(np.degrees(study.turned_off(predict(each, flown.other))[-1]))
+        for name, each in (("identified", result), ("CAD", cad))
+    }
     output.say(
         "",
         f"the truth: at most {away['identified']:.2g} std from what is identified, "

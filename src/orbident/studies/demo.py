@@ -8,11 +8,12 @@ one flight predicts another one, which has other motions of the joints.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.campaigns.case import Case, Subject, recorded
 from orbident.campaigns.spec import Disperse
 from orbident.estimation.result import Result
-from orbident.identified.prediction import predict
+from orbident.identified.prediction import Prediction
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import rotation_angle
 from orbident.recordings.recording import Recording
@@ -51,16 +52,14 @@ class DemoFlights:
     other: Recording
     """Of another motion, to be predicted."""
 
+    def true_base(self) -> Float[np.ndarray, " beta"]:
+        """The true base parameters, in the order of a result's."""
+        return minimal_sets(self.robot).beta(self.flown.theta)
+
     def farthest(self, result: Result) -> float:
         """How far a true value is from a result's at most, in standard deviations."""
-        true = minimal_sets(self.robot).beta(self.flown.theta)
-        return float(np.abs((result.base.values - true) / result.base.std).max())
-
-    def turned_off(self, result: Result) -> float:
-        """By what angle, in degrees, a result has the last attitude of the other."""
-        expected = predict(result, self.other)
-        off = rotation_angle(expected.measured.x_WB[-1], expected.x_WB[-1])
-        return float(np.degrees(off))
+        off = (result.base.values - self.true_base()) / result.base.std
+        return float(np.abs(off).max())
 
 
 def fly_demo(seed: int = 0) -> DemoFlights:
@@ -75,3 +74,8 @@ def fly_demo(seed: int = 0) -> DemoFlights:
     other = replace(motion, a=motion.a[::-1], b=motion.b[::-1])
     again = recorded(case.robot, other, case.instrument_errors, seed + 1)
     return DemoFlights(robot, case.robot, case.recording(), again)
+
+
+def turned_off(prediction: Prediction) -> Float[np.ndarray, " n"]:
+    """By what angle the predicted attitude is off the measured one, rad."""
+    return rotation_angle(prediction.measured.x_WB, prediction.x_WB)
