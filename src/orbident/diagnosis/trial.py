@@ -1,7 +1,7 @@
 """Recordings with one thing put right: are they accepted, and which is the best?"""
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from time import process_time
 from typing import NamedTuple
@@ -119,7 +119,9 @@ def trial(
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
     if shown.tested and (found.accepted or found.fits or likely):
-        return _judged(cause, problem, shown.tested())
+        # What is accepted is worth more than nothing, with no time to ask that.
+        with suppress(OutOfTimeError):
+            return _judged(cause, problem, shown.tested())
     return found
 
 
