@@ -9,6 +9,7 @@ one where the robots before and after it are not the same.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -58,19 +59,24 @@ def differing(one: Estimate, other: Estimate) -> ChiSquare:
     return chi_square((a.values - b.values)[both], C)
 
 
-def _apart(before: Evidence, after: Evidence) -> ChiSquare:
+class _Part(NamedTuple):
+    """A part of a recording, and what fits it."""
+
+    problem: MomentumProblem
+    shown: Estimate
+
+
+def _apart(before: _Part, after: _Part) -> ChiSquare:
     """How far two parts are from being of one robot, as a chi-square.
 
     The least cost of a short part may lie in a curved valley: its deviations hold what
     is near, and not the robot that explains it nearly as well. So the later part is
     fitted again beside what the earlier one says, and costs more by so much.
     """
-    assert before.shown is not None
-    assert before.shown.shared is not None
-    assert after.shown is not None
     numbers = differing(before.shown, after.shown)
     if not numbers.is_no_chance(ANOTHER_ROBOT):
         return numbers
+    assert before.shown.shared is not None
     said = before.shown.shared()
     fit = OutputError(steps=FEW_STEPS, tested=False, others=said)
     both = fit.estimate(after.problem, lambda _: None)
@@ -109,8 +115,8 @@ def since_the_last_change(
 
 
 def _next_change(
-    between: Callable[[float, float], Evidence | None],
-    apart: Callable[[Evidence, Evidence], ChiSquare],
+    between: Callable[[float, float], _Part | None],
+    apart: Callable[[_Part, _Part], ChiSquare],
     t: Float[np.ndarray, " rows"],
     begin: float,
     suspected: Sequence[Change],
@@ -155,32 +161,29 @@ def _next_change(
     return None
 
 
-def _alike(part: Evidence | None, known: Evidence | None) -> Evidence | None:
-    """What fits a part, or None where more acts in it than in a part known before.
+def _alike(part: _Part | None, known: _Part | None) -> _Part | None:
+    """The part, or None where more acts in it than in a part known before.
 
     A change of the robot shortly before a part ends may look like a torque or a force.
     """
-    if part is None or known is None:
-        return part
-    assert part.shown is not None
-    assert known.shown is not None
-    return None if part.shown.acting - known.shown.acting else part
+    more = part and known and part.shown.acting - known.shown.acting
+    return None if more else part
 
 
-def _between(problem: MomentumProblem, begin: float, end: float) -> Evidence | None:
+def _between(problem: MomentumProblem, begin: float, end: float) -> _Part | None:
     """What fits the part between two times, s; None where nothing does soon."""
     t = problem.recording.t
     if np.count_nonzero((t >= begin) & (t <= end)) < FEWEST:
         return None
     try:
         part = _cut(problem, begin, end)
-        found = evidence(part, OutputError(steps=FEW_STEPS), lambda _: None)
+        on, shown = evidence(part, OutputError(steps=FEW_STEPS), lambda _: None)
     except InputError:
         return None
-    if found.shown is None or not found.shown.converged:
+    if shown is None or not shown.converged:
         return None
-    checks = residual_checks(part, found.shown)
-    return found if all(each.level != "do not trust" for each in checks) else None
+    good = all(x.level != "do not trust" for x in residual_checks(part, shown))
+    return _Part(on, shown) if good else None
 
 
 def _cut(problem: MomentumProblem, begin: float, end: float) -> MomentumProblem:

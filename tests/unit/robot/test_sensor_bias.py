@@ -6,7 +6,6 @@ import pytest
 from clean_recordings import clean_space
 
 from orbident.estimation.recursive.filter_input import noise_of
-from orbident.preprocessing.base_motion import _gyro_noise
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.sensor_schema import GyroSpec
 from orbident.simulation.sensor import bias_drift
@@ -24,8 +23,6 @@ def test_the_walk_is_that_of_the_simulated_bias():
 
 
 def test_all_that_use_it_have_the_same_walk():
-    t = np.arange(100) * 0.1
-    assert _gyro_noise(t, np.zeros((100, 3)), GYRO).drift == GYRO.bias_walk
     flown = clean_space(seed=0, duration=20.0, gyro=SECTION)
     noise = noise_of(flown.robot, samples_of(flown.robot, flown.recording))
     assert noise.gyro_walk == GYRO.bias_walk
