@@ -43,6 +43,8 @@ class Subject:
 
     robot: Robot
     trajectory: Trajectory
+    name: str
+    """In all tables."""
 
 
 @dataclass(frozen=True, eq=False)

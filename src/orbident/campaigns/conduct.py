@@ -103,7 +103,7 @@ def _row(
     base = result.base
     row: Row = {
         "run": case.k,
-        "robot": case.subject.robot.name,
+        "robot": case.subject.name,
         "method": method,
         "level": result.level,
         "refused_by": next(refused, None),
@@ -125,7 +125,7 @@ def _failure(case: Case, error: Exception) -> dict[str, Any]:
         draws = case.draws
     return {
         "run": case.k,
-        "robot": case.subject.robot.name,
+        "robot": case.subject.name,
         "draws": draws,
         "error": kind,
         "reason": " ".join(str(error).split()) or kind,

@@ -119,9 +119,17 @@ def opened(folder: Path) -> Campaign:
             "it back, or begin another campaign in another folder"
         )
     spec = load_spec(folder / SPEC).spec
+    places = [folder / f"robot{k}" for k in range(len(spec.robots))]
+    robots = [load_written_robot(at) for at in places]
+    names = [robot.name for robot in robots]
+    # One robot may fly two trajectories: then its number tells them apart.
     subjects = tuple(
-        Subject(load_written_robot(at), load_trajectory(at / "trajectory.yaml"))
-        for at in (folder / f"robot{k}" for k in range(len(spec.robots)))
+        Subject(
+            robot,
+            load_trajectory(at / "trajectory.yaml"),
+            robot.name if names.count(robot.name) == 1 else f"{robot.name} ({k})",
+        )
+        for k, (robot, at) in enumerate(zip(robots, places, strict=True), 1)
     )
     return Campaign(spec, subjects)
 
@@ -180,15 +188,15 @@ def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> None:
     write_text(into / SPEC, text)
     for k, entry in enumerate(file.spec.robots):
         where = f"{file.path}: robots[{k}]"
-        subject = _subject(entry, file.path.parent, paper_motion, where)
+        robot, trajectory = _flown(entry, file.path.parent, paper_motion, where)
         at = into / f"robot{k}"
-        write_robot(subject.robot, at)
-        save_trajectory(subject.trajectory, at / "trajectory.yaml")
+        write_robot(robot, at)
+        save_trajectory(trajectory, at / "trajectory.yaml")
 
 
-def _subject(
+def _flown(
     entry: RobotEntry, beside: Path, paper_motion: PaperMotion, where: str
-) -> Subject:
+) -> tuple[Robot, Trajectory]:
     try:
         known = entry.robot in bundled_robots()
         robot = load_robot(entry.robot if known else beside / entry.robot)
@@ -203,7 +211,7 @@ def _subject(
             check_environment(robot, trajectory.environment)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-    return Subject(robot, trajectory)
+    return robot, trajectory
 
 
 Row = dict[str, Any]
@@ -320,7 +328,7 @@ def read_chunk(
         )
     known = {
         "run": chunk,
-        "robot": [subject.robot.name for subject in campaign.subjects],
+        "robot": [subject.name for subject in campaign.subjects],
         "method": campaign.spec.methods,
         "level": LEVELS,
     }

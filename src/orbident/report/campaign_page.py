@@ -10,6 +10,7 @@ import pyarrow as pa
 from jaxtyping import Float
 from scipy import stats
 
+from orbident.campaigns.case import Subject
 from orbident.campaigns.conduct import failed_runs, reason_in
 from orbident.campaigns.folder import REPORT, Campaign, read_rows
 from orbident.campaigns.statistics import (
@@ -105,7 +106,7 @@ def write_campaign_report(campaign: Campaign, folder: Path) -> Path:
 def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
     """The report as HTML."""
     found = method_statistics(rows)
-    bounds = {s.robot.name: _bounds(campaign, s.robot.name) for s in campaign.subjects}
+    bounds = {subject.name: _bounds(subject) for subject in campaign.subjects}
     checks = tuple(_check(group) for group in found)
     runs = campaign.spec.runs
     made = len(set(rows["run"].to_pylist()))
@@ -128,8 +129,7 @@ def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
     )
 
 
-def _bounds(campaign: Campaign, robot: str) -> Bounds:
-    subject = next(s for s in campaign.subjects if s.robot.name == robot)
+def _bounds(subject: Subject) -> Bounds:
     try:
         found = bound_of(subject.robot, subject.trajectory).parameters
     except InputError:

@@ -22,9 +22,24 @@ from orbident.campaigns.conduct import (
 from orbident.campaigns.executors import InThisProcess
 from orbident.campaigns.folder import Campaign, begin, opened, path_of
 from orbident.campaigns.spec import load_spec
+from orbident.campaigns.statistics import method_statistics
 from orbident.errors import InputError
+from orbident.report.campaign_page import campaign_report
 from orbident.trajectories.trajectory import InitialState
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
+
+
+def test_two_motions_of_one_robot_are_told_apart(tmp_path: Path):
+    entry = {"robot": "robot.yaml", "trajectory": "motion.yaml"}
+    pushed = entry | {"environment": {"torque": ["1 mN m", 0, 0]}}
+    campaign, out = begun(tmp_path / "a", robots=[entry, pushed], runs=2)
+    conduct(campaign, out, InThisProcess, lambda _: None)
+    names = ["paper-spatial (1)", "paper-spatial (2)"]
+    table = rows(campaign, out)
+    assert table["robot"].to_pylist() == names
+    assert [each.robot for each in method_statistics(table)] == names
+    for name in names:
+        assert name in campaign_report(campaign, out, table)
 
 
 def test_rows_do_not_depend_on_chunks_or_order(tmp_path: Path):
