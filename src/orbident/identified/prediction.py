@@ -119,7 +119,8 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     wheels = wheels_of(robot)
     conserved = np.isin(np.arange(3), sets.regressors.momentum_axes)
-    at = momentum_terms(result, measured.q, measured.qd)
+    known = sets.regressors, result.pi.values, result.phi.values
+    at = momentum_terms(*known, measured.q, measured.qd)
     R_WB = quaternion_matrix(measured.x_WB)
     h_B = rotate(at.D, measured.w) + at.h_q + measured.qd_rw @ wheels.A_rw.T
     h_cm = np.where(conserved, rotate(R_WB, h_B).mean(axis=0), 0.0)
@@ -134,7 +135,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     def law_at(nodes: Float[np.ndarray, " m"]) -> RateLaw:
         q, qd, qd_rw = np.split(spline(nodes), [joints, 2 * joints], axis=1)
-        at = momentum_terms(result, q, qd)
+        at = momentum_terms(*known, q, qd)
         h_moving = at.h_q + qd_rw @ wheels.A_rw.T
         return rate_law(at.D, h_moving, robot.motion == "planar")
 
@@ -158,13 +159,14 @@ class MomentumTerms(NamedTuple):
 
 
 def momentum_terms(
-    result: Result,
+    regressors: Regressors,
+    pi: Float[np.ndarray, " pi"],
+    phi: Float[np.ndarray, " phi"],
     q: Float[np.ndarray, "n joints"],
     qd: Float[np.ndarray, "n joints"],
 ) -> MomentumTerms:
     """`Y pi` and `W phi` at unit base rates and at the joints' rates (Eq. 16)."""
-    regressors = minimal_sets(result.robot).regressors
-    known = regressors, result.pi.values, result.phi.values
+    known = regressors, pi, phi
     rest, w = np.zeros_like(q), np.zeros((len(q), 3))
     h_q, v_q = _momentum_and_velocity(*known, q, qd, w)
     D, V = np.zeros((2, len(q), 3, 3))
@@ -238,7 +240,8 @@ def prediction_deviations(
     moving = seen.moving if seen.moving.any() else np.ones(seen.moving.size, bool)
     dv_cm = -(R @ dv)[moving].mean(axis=0)
 
-    at = momentum_terms(result, seen.q, seen.qd)
+    known = sets.regressors, result.pi.values, result.phi.values
+    at = momentum_terms(*known, seen.q, seen.qd)
     w, R = prediction.w, quaternion_matrix(prediction.x_WB)
     dh, dv = changes(seen.q, seen.qd, w)
     b = rotate(at.D, w) + at.h_q + seen.qd_rw @ wheels_of(robot).A_rw.T

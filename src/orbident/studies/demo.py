@@ -69,7 +69,7 @@ def fly_demo(seed: int = 0) -> DemoFlights:
     usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, (), robot.name)
     robot = replace(robot, disturbances=None, tolerances=usual, document=said)
     motion = replace(spatial_trajectory(robot), environment=ACTING)
-    case = Case(0, Subject(robot, motion), VARIED, seed)
+    case = Case(0, Subject(robot, motion, robot.name), VARIED, seed)
     # The joints exchange their motions.
     other = replace(motion, a=motion.a[::-1], b=motion.b[::-1])
     again = recorded(case.robot, other, case.instrument_errors, seed + 1)
