@@ -43,6 +43,12 @@ HIDDEN = 0.5
 """Part of a gyro's noise that hides what noise of wheels' speeds turns the base by: it
 adds an eighth to the variance, of which smoothing could take some away."""
 
+FINER = 0.1
+"""Part of an attitude's noise by which a gyro walks at most until the next attitude.
+Attitudes that are as fine as the gyro show by themselves how noise turns the base: with
+1 deg/sqrt(h) beside 0.02 deg deviations did not hold it, and with 0.3 deg/sqrt(h) they
+did."""
+
 
 def attitude_rates(
     t: Float[np.ndarray, " n"],
@@ -328,12 +334,22 @@ def declared_rate_noise(robot: Robot) -> float:
 
 
 def least_speed_noise(robot: Robot) -> float:
-    """Density of the noise of wheels' speeds that the gyro shows, rad/s/sqrt(Hz)."""
-    gyro, wheels = robot.sensors.gyro, robot.sensors.wheels
-    if gyro is None or wheels is None or not wheels.tachometer:
+    """Density of the noise of wheels' speeds that shows, rad/s/sqrt(Hz).
+
+    Zero where attitudes may show any, infinite where none turns the base.
+    """
+    wheels = robot.sensors.wheels
+    # In the plane noise of a wheel that turns evenly is all that changes its momentum,
+    # and taken for its speed it would seem to tell how large the robot is.
+    if wheels is None or not wheels.tachometer or robot.motion == "planar":
+        return 0.0
+    gyro, attitude = robot.sensors.of("gyro"), robot.sensors.of("attitude")
+    rate = attitude.rate or robot.sensors.rate
+    walked = gyro.white_std() / np.sqrt(rate) if rate else np.inf
+    if not walked <= FINER * attitude.white_std():
         return 0.0
     turned = rate_noise(robot, [RateNoise(0.0, 1.0)] * len(robot.wheels))
-    return HIDDEN * gyro.white_noise / turned if turned else np.inf
+    return HIDDEN * gyro.white_std() / turned if turned else np.inf
 
 
 def rate_noise(robot: Robot, speeds: Sequence[RateNoise]) -> float:

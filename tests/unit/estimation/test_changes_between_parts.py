@@ -1,6 +1,6 @@
 """The time at which a robot changed, found by fitting parts of its recording."""
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def apart(one: Made, other: Made) -> ChiSquare:
 def next_change(parts: Any, *alarms: float) -> Change | None:
     """The first one, where a filter raised alarms at these times, s."""
     suspected = [Change(t, t - 1, 2.0, 0.99) for t in alarms]
-    return solve._next_change(parts, apart, T, -np.inf, suspected)
+    return solve._next_change(parts, cast("Any", apart), T, -np.inf, suspected)
 
 
 @pytest.mark.parametrize(
