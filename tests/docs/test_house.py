@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 64_836,
+    "lines": 64_866,
     "files of estimation": 50,
     "lines of estimation": 12_622,
     "files with one user": 65,
