@@ -155,8 +155,10 @@ def flown(a: Robot, b: Robot) -> Flown:
 @pytest.mark.slow
 def test_position_alone_tells_them_apart():
     """Attitude and torques are the same, and so is `pi`; `phi` and the mass are not."""
-    what = {"position": {"std": 1e-4}, "torques": {"std": 0.01}}
-    (a, b), (of_a, of_b) = flown(robot("a", **what), robot("b", **what))
+    one, other = (
+        robot(name, position={"std": 1e-4}, torques={"std": 0.01}) for name in SIZES
+    )
+    (a, b), (of_a, of_b) = flown(one, other)
     np.testing.assert_allclose(a.attitude, b.attitude, rtol=0, atol=SAME)
     np.testing.assert_allclose(a.tau, b.tau, rtol=0, atol=SAME * np.abs(a.tau).max())
     assert np.abs(a.position - b.position).max() > 0.1
