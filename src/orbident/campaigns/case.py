@@ -44,7 +44,7 @@ class Subject:
     robot: Robot
     trajectory: Trajectory
     name: str
-    """In all tables."""
+    """What tables call it: the robot, with a number where several subjects have it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -192,7 +192,7 @@ def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
             )
 
         lost = np.outer(_elapsed(problem), mean)
-        # None loses more than it has.
+        # No wheel loses more speed than it has.
         small, most = np.array([SMALL]), 1.0
         yield _with_momentum(words, small, lambda c, lost=lost: c[0] * lost, most)
 

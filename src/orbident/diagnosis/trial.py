@@ -119,7 +119,7 @@ def trial(
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
     if shown.tested and (found.accepted or found.fits or likely):
-        # What is accepted is worth more than nothing, with no time to ask that.
+        # With no time left to ask that, the cause is judged without it.
         with suppress(OutOfTimeError):
             return _judged(cause, problem, shown.tested())
     return found

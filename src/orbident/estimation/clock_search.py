@@ -128,7 +128,7 @@ def _clock_of(
     start = punctual if near else far_clock(first.problem)
     if abs(start.late) > LONGEST:
         return start, first
-    # It is a trial: of a fit that is bad on a clock it is not asked what else acts.
+    # A trial of few steps: where its fit is bad, it is not asked what else acts.
     plain = replace(fit, tested=False, steps=min(fit.steps, FEW_STEPS))
 
     @lru_cache(1)

@@ -148,8 +148,8 @@ def _next_change(
             low, known = tried.t, before
             # A later alarm may be none: the whole rest tells most where it fits.
             after = between(low, np.inf)
-            # Up to the next alarm there may be some of another robot. Where that of
-            # before goes on for half of it, it is no other one from here on.
+            # The part up to the next alarm may end with samples of another robot. Where
+            # one robot fits up to the middle of it, none changed at this alarm.
             if not after and not between(begin, (low + end) / 2):
                 after = _alike(between(low, end), before)
             off = apart(before, after) if after else ChiSquare(0.0, 0)

@@ -182,10 +182,10 @@ def _exactly(met: _Equations) -> tuple[Float[np.ndarray, "bodies 4 4"], float] |
 def _within_covariance(
     covariance: Float[np.ndarray, "beta beta"], met: _Equations
 ) -> tuple[Float[np.ndarray, "bodies 4 4"], float] | None:
-    """The same with `A vec(X) = b + root z`, where `|z|` is hardly more than it must.
+    """Symmetric `X_i > 0` with `A vec(X) = b + root z`, with nearly the shortest `z`.
 
-    The covariance of `b` is `root root^T`. With the matrices comes `|z|`; there are
-    none where it would leave the ellipsoid.
+    The covariance of `b` is `root root^T`. With the matrices comes `|z|`, in standard
+    deviations; None where it would leave the ellipsoid of `CONFIDENCE`.
     """
     size = len(covariance)
     root = np.zeros((met.b.size, size))

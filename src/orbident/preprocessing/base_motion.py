@@ -40,8 +40,8 @@ REMEMBERED = 4
 """Motions of the base: while a cause is looked for, most stay as they were."""
 
 HIDDEN = 0.5
-"""Part of a gyro's noise that hides what noise of wheels' speeds turns the base by: it
-adds an eighth to the variance, of which smoothing could take some away."""
+"""Noise of wheels' speeds that turns the base by less than this part of the gyro's own
+noise is hidden by it: the variance grows by an eighth at most."""
 
 FINER = 0.1
 """Part of an attitude's noise by which a gyro walks at most until the next attitude.
@@ -334,9 +334,9 @@ def declared_rate_noise(robot: Robot) -> float:
 
 
 def least_speed_noise(robot: Robot) -> float:
-    """Density of the noise of wheels' speeds that shows, rad/s/sqrt(Hz).
+    """The least density of wheels' speed noise that the base shows, rad/s/sqrt(Hz).
 
-    Zero where attitudes may show any, infinite where none turns the base.
+    It is zero where attitudes may show any, and infinite where none turns the base.
     """
     wheels = robot.sensors.wheels
     # In the plane noise of a wheel that turns evenly is all that changes its momentum,

@@ -269,7 +269,7 @@ def sensitivities(result: Result) -> Section | None:
     names = [what.get(symbol, symbol) for symbol in symbols]
     causes = [error_in_words(table.errors[k], table.units[k]) for k in errors]
     shifts = table.shifts[np.ix_(parameters, errors)].T
-    # Shifts of 1 and of 100 are to be told apart.
+    # By the logarithm, shifts of 1 and of 100 deviations have colours that differ.
     colour = np.sign(shifts) * np.log10(1 + np.abs(shifts))
     full = max(np.log10(1 + STRONG), float(np.nanmax(np.abs(colour))))
     words = (
