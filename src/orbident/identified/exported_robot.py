@@ -155,7 +155,7 @@ class WheelJoint(NamedTuple):
     p: Float[np.ndarray, "3"]
     """Where its joint is from S, base axes, m."""
     theta: Float[np.ndarray, "10"]
-    """Inertial parameters of `links` about the joint, base axes, at wheel angle zero."""
+    """Inertial parameters of `links` about the joint, base axes, at wheel angle 0."""
 
 
 class WheelBody(NamedTuple):
