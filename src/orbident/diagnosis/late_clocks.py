@@ -1,6 +1,6 @@
 """Which clock, were it late or early, fast or slow, would explain what sensors show."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,7 +19,8 @@ from orbident.recordings.recording import Recording
 UNKNOWN = 0.1
 """Std of a clock beforehand, s."""
 
-TRIED = (-1.0, -0.5, -0.2, -0.1, 0.1, 0.2, 0.5, 1.0)
+NEAREST = 0.1
+FARTHER = (-1.0, -0.5, -0.2, 0.2, 0.5, 1.0)
 """s: where one that is far off is looked for; that of joints is found by Eq. 24."""
 
 HELPS = 0.7
@@ -108,19 +109,24 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
 
 def far_off(problem: MomentumProblem) -> dict[str, float]:
     """Clocks that are so far off that their effect is no longer in proportion."""
-    part, joints = problem.beginning(ROWS), far_clock(problem).late
-    best, at = HELPS * linear_misfit(part), dict.fromkeys(SHARED, 0.0)
-    others = (("attitude",), ("position",), tuple(SHARED))
-    for names in (("joints",), *others):
-        for late in TRIED if names in others else (joints,):
-            tried = dict.fromkeys(SHARED, 0.0) | dict.fromkeys(names, late)
-            try:
-                misfit = linear_misfit(_behind(part, tried))
-            except InputError:
-                continue
-            if misfit < best:
-                best, at = misfit, tried
-    return at
+    part, now = problem.beginning(ROWS), dict.fromkeys(SHARED, 0.0)
+    here = linear_misfit(part)
+
+    def left(names: Sequence[str], late: float) -> tuple[float, dict[str, float]]:
+        tried = now | dict.fromkeys(names, late)
+        try:
+            return linear_misfit(_behind(part, tried)), tried
+        except InputError:
+            return np.inf, tried
+
+    found = [(HELPS * here, now), left(["joints"], far_clock(problem).late)]
+    for names in (["attitude"], ["position"], [*SHARED]):
+        near = [left(names, late) for late in (-NEAREST, NEAREST)]
+        # One that fits far better than those beside it is not off.
+        if here > HELPS * min(misfit for misfit, _ in near):
+            found += [*near, *(left(names, late) for late in FARTHER)]
+    _, late = min(found, key=lambda each: each[0])
+    return late
 
 
 def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:

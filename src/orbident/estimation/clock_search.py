@@ -205,6 +205,9 @@ def far_clock(problem: MomentumProblem) -> Delay:
             return np.inf
         return pi.unexplained / max(np.hypot(pi.explained, pi.unexplained), TINY)
 
+    # One that fits far better than those beside it is not off.
+    if left(0.0) ** 2 < HELPS * min(left(-FAR[0]), left(FAR[0])) ** 2:
+        return nowhere
     most = LONGEST_PART * np.ptp(part.samples.t)
     grid = np.array([-most, *-FAR[::-1], 0.0, *FAR, most])
     grid = np.unique(grid[np.abs(grid) <= most])
