@@ -207,6 +207,13 @@ struct Call {
         theta[static_cast<std::size_t>(theta_of.row[e])] +=
             theta_of.value[e] * common.data()[OUTSIDE + b];
   }
+  // Without columns of what all intervals have in common: where right-hand sides alone are asked.
+  Recorded without_common() const {
+    Recorded alone = recorded;
+    alone.columns.betas = alone.acting.betas = alone.acting.gains = 0;
+    alone.columns.calibrations -= static_cast<int>(gains.size());
+    return alone;
+  }
   void act() {
     const int count = static_cast<int>(gains.size());
     if (acting.size(0) == 0 && count == 0) return;
@@ -215,8 +222,12 @@ struct Call {
       throw nb::value_error(
           "acting: give a table for each node, with columns for its value, each selected gain and, "
           "where it depends on these, each beta");
-    recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(),
-                       static_cast<int>(betas)};
+    recorded.acting = {acting.data(),
+                       gains.data(),
+                       count,
+                       recorded.columns.beta(),
+                       static_cast<int>(betas),
+                       static_cast<int>(acting.size(2))};
   }
   // By tracker and axis: std, time, walk and walk of the rate of what lasts.
   void colour(const Array& given) {

@@ -84,8 +84,9 @@ auto changes_factor(const OwnedRecorded& owned, const std::vector<Array>& weight
     parallel_for(static_cast<std::ptrdiff_t>(count), threads,
                  [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-        OwnedSweep memory(calls[k]->recorded, calls[k]->selected);
-        auto begins = right_hand_sides(calls[k]->recorded, calls[k]->at(), memory.at, sides[k]);
+        const Recorded alone = calls[k]->without_common();
+        OwnedSweep memory(alone, calls[k]->selected);
+        auto begins = right_hand_sides(alone, calls[k]->at(), memory.at, sides[k]);
         if (!std::all_of(sides[k].begin(), sides[k].end(),
                          [](double x) { return std::isfinite(x); })) {
           // What overflows says nothing.

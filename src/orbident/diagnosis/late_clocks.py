@@ -20,8 +20,8 @@ UNKNOWN = 0.1
 """Std of a clock beforehand, s."""
 
 NEAREST = 0.1
-FARTHER = (-1.0, -0.5, -0.2, 0.2, 0.5, 1.0)
-"""s: where one that is far off is looked for; that of joints is found by Eq. 24."""
+"""s: so far, and then farther off, it is looked for; that of joints is found by Eq. 24."""
+FARTHER = (-1.0, -0.5, -0.2, 0.2, 0.5, 1.0)  # s
 
 HELPS = 0.7
 """Part of the linear residuals that a clock that is far off must leave at most."""

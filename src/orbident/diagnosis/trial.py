@@ -110,10 +110,10 @@ def trial(
         likely: whether samples show it, so that it is asked in any case what else acts.
     """
     driven = joints_with_torques(problem.robot, problem.recording)
-    if obstacles(problem, bool(driven)):
-        return Trial(cause, False, np.inf)
     fit = OutputError(steps=FEW_STEPS, tested=False, free=free)
     try:
+        if obstacles(problem, bool(driven)):
+            return Trial(cause, False, np.inf)
         shown = fit.estimate(problem, _in_time)
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)

@@ -71,7 +71,7 @@ ROUNDING = 1e-7
 
 @dataclass(frozen=True)
 class MomentumProblem:
-    """A robot, its recording on settled clocks, and both linear fits of it."""
+    """A robot, and its recording on settled clocks."""
 
     robot: Robot
     sets: MinimalSets
@@ -85,8 +85,8 @@ class MomentumProblem:
     """How far each sensor's clock is behind that of the base rate."""
     samples: Samples
     initial_momentum: InitialMomentum
-    fits: Fits
-    """Eqs. 24 and 31, each for itself: where every search starts."""
+    known_fits: Fits | None = None
+    """What `fits` are, where they are known."""
     extent: Extent | None = None
     """What all samples span, where `recording` and `samples` are those of a digest."""
     pieces: KeptPieces | None = None
@@ -96,6 +96,18 @@ class MomentumProblem:
     def late(self) -> dict[str, float]:
         """How far each sensor's clock is taken to be behind, s."""
         return corrections(self.clocks)
+
+    @cached_property
+    def fits(self) -> Fits:
+        """Eqs. 24 and 31, each for itself: where every search starts.
+
+        Raises:
+            InputError: there are too few samples for one of them.
+        """
+        if self.known_fits is not None:
+            return self.known_fits
+        given = self.initial_momentum
+        return fit(self.robot, self.sets, self.samples, given, lambda _: None)
 
     @property
     def linear(self) -> bool:
@@ -167,11 +179,7 @@ class MomentumProblem:
 
     def without(self, given: OutsideMomentum) -> "MomentumProblem":
         """The problem of the same motion, without what acts from outside."""
-        samples = self.samples.without(given)
-        fits = fit(
-            self.robot, self.sets, samples, self.initial_momentum, lambda _: None
-        )
-        return replace(self, samples=samples, fits=fits)
+        return replace(self, samples=self.samples.without(given), known_fits=None)
 
     def amended(
         self,
@@ -239,14 +247,11 @@ def momentum_problem(
 
 def on_clocks(problem: MomentumProblem, clocks: Mapping[str, Delay]) -> MomentumProblem:
     """The same recording on other clocks."""
-    robot, given = problem.robot, problem.initial_momentum
-    samples = samples_of(robot, problem.recording, corrections(clocks))
-    fits = fit(robot, problem.sets, samples, given, lambda _: None)
     return replace(
         problem,
         clocks=clocks,
-        samples=samples,
-        fits=fits,
+        samples=samples_of(problem.robot, problem.recording, corrections(clocks)),
+        known_fits=None,
         extent=None,
         pieces=None,
     )
@@ -330,7 +335,7 @@ def whole(
         settings.locked = locked
     return replace(
         problem,
-        fits=equations.solved(robot, problem.sets, samples, total.factors),
+        known_fits=equations.solved(robot, problem.sets, samples, total.factors),
         extent=total.extent,
         pieces=pieces,
         rejected=total.rejected_by_column(),

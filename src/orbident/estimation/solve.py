@@ -320,7 +320,7 @@ def _in_parts(
     if not changes:
         return solved_by(estimator, last.problem, last.shown, progress)
     # The linear equations, too, are of one robot.
-    problem = replace(problem, fits=last.problem.fits)
+    problem = replace(problem, known_fits=last.problem.fits)
     estimate = estimator.estimate(problem, lambda _: None)
     off = difference(estimate.parameters.base, last.shown.parameters.base)
     wider = widened(estimate, last.shown, whole=True)

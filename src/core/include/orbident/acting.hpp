@@ -21,17 +21,17 @@ struct Acting {
   int gains = 0;
   int beta = 0;  // where the unknowns have it
   int betas = 0;
+  int width = 1;
 
-  int width() const { return 1 + gains + betas; }
   Acting at(int node) const {
     Acting one = *this;
-    if (rows) one.rows += std::ptrdiff_t(node) * ACTING_ROWS * width();
+    if (rows) one.rows += std::ptrdiff_t(node) * ACTING_ROWS * width;
     return one;
   }
   // The three rows from `first` on.
   auto table(int first) const {
     return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(
-        rows + first * width(), 3, width());
+        rows + first * width, 3, width);
   }
   Vector3<double> value(int first) const {
     return rows ? Vector3<double>(table(first).col(0)) : Vector3<double>(Vector3<double>::Zero());
@@ -43,10 +43,10 @@ struct Acting {
     // Neighbours among the gains are neighbours among the unknowns, but for a few.
     for (int k = 0, end; k < gains; k = end) {
       for (end = k + 1; end < gains && columns[end] == columns[end - 1] + 1;) ++end;
-      add_combined(by, rows + first * width() + 1 + k, width(), end - k, slopes.data() + columns[k],
+      add_combined(by, rows + first * width + 1 + k, width, end - k, slopes.data() + columns[k],
                    slopes.cols());
     }
-    add_combined(by, rows + first * width() + 1 + gains, width(), betas, slopes.data() + beta,
+    add_combined(by, rows + first * width + 1 + gains, width, betas, slopes.data() + beta,
                  slopes.cols());
   }
 };
