@@ -20,7 +20,7 @@ UNKNOWN = 0.1
 """Std of a clock beforehand, s."""
 
 NEAREST = 0.1
-"""s: so far, and then farther off, it is looked for; that of joints is found by Eq. 24."""
+"""s: so far off it is looked for, then farther; that of joints is found by Eq. 24."""
 FARTHER = (-1.0, -0.5, -0.2, 0.2, 0.5, 1.0)  # s
 
 HELPS = 0.7
