@@ -17,6 +17,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from pydantic import Field
 from scipy.interpolate import CubicSpline
+from scipy.optimize import fminbound
+from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
@@ -215,20 +217,42 @@ def _solve(
     w_then: Float[np.ndarray, "m 3"],
 ) -> _DelayStep:
     start = np.broadcast_to(np.eye(3), (len(y), 3, 3))
-    A = np.concatenate([start, -B, -w_then[:, :, None]], axis=2)
-    A = A.reshape(-1, UNKNOWNS)
+    by_axis = np.concatenate([start, -B, -w_then[:, :, None]], axis=2)
+    A = by_axis.reshape(-1, UNKNOWNS)
     R = np.asarray(np.linalg.qr(np.column_stack([A, y.ravel()]), mode="r"))
     solution = np.linalg.lstsq(R[:-1, :-1], R[:-1, -1], rcond=None)[0]
-    after, own = abs(float(R[-1, -1])), float(abs(R[-2, -2]))
-    scatter = after / np.sqrt(y.size - UNKNOWNS)
-    # The delay is the last unknown: its deviation is that of its own row.
+    after, own = abs(float(R[-1, -1])), float(R[-2, -2])
+    std = np.inf
+    if own:
+        # The delay is the last unknown: so much of each residual is in it.
+        last = np.linalg.lstsq(R[:-1, :-1], np.eye(UNKNOWNS)[-1] / own, rcond=None)[0]
+        std = _walked(y - by_axis @ solution, by_axis @ last)
     return _DelayStep(
         change=float(solution[-1]),
-        std=scatter / own if own else np.inf,
+        std=std,
         phi=solution[:3],
         bias=solution[3:6],
         before=float(np.hypot(after, R[-2, -1])),
         after=after,
+    )
+
+
+def _walked(left: Float[np.ndarray, "m 3"], shares: Float[np.ndarray, "m 3"]) -> float:
+    """The deviation of a sum of shares of residuals that are white and walk.
+
+    Their changes are a moving average of innovations, `e(k) - a e(k-1)`: white noise of
+    the variance `a var(e)`, and steps of a walk of `(1 - a)^2 var(e)`.
+    """
+    steps = np.diff(left, axis=0, prepend=0)
+
+    def size(a: float) -> float:
+        return float(np.sum(lfilter([1.0], [1.0, -a], steps, axis=0) ** 2))
+
+    a = min(1.0, float(np.array(fminbound(size, 0.0, 1.0))), key=size)
+    later = np.cumsum(shares[::-1], axis=0)
+    variance = size(a) / (left.size - UNKNOWNS)
+    return float(
+        np.sqrt(variance * (a * np.sum(shares**2) + (1 - a) ** 2 * np.sum(later**2)))
     )
 
 
