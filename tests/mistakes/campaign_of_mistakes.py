@@ -23,12 +23,7 @@ def all_rows(
         progress: is called with what is done.
         of: the mistakes of the table.
     """
-    asked = [
-        (robot, mistake.name)
-        for mistake in of
-        if not names or mistake.name in names
-        for robot in mistake.robots
-    ]
+    asked = asked_of(names, of)
     rows = []
     # A fresh interpreter: threads of the core do not survive a fork.
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
@@ -37,6 +32,16 @@ def all_rows(
             rows.append(Row(robot, by_name(name), one))
             progress(f"{len(rows)}/{len(asked)} {robot}: {name}")
     return rows
+
+
+def asked_of(names: Sequence[str], of: Sequence[Mistake]) -> list[tuple[str, str]]:
+    """Robot and mistake of every row."""
+    return [
+        (robot, mistake.name)
+        for mistake in of
+        if not names or mistake.name in names
+        for robot in mistake.robots
+    ]
 
 
 def _scores(asked: tuple[str, str]) -> dict:

@@ -88,19 +88,20 @@ def scored(spoiled: Spoiled, method: Method, causes: bool = False) -> Score:
     )
 
 
+def worst(values: np.ndarray, std: np.ndarray, expected: np.ndarray) -> float:
+    """The worst error over its deviation; NaN where nothing is determined."""
+    determined = np.isfinite(values)
+    if not determined.any():
+        return float("nan")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        miss = np.abs(values - expected)[determined] / std[determined]
+    # A deviation that is not a number promises nothing that could be kept.
+    return float(np.nan_to_num(miss, nan=np.inf).max())
+
+
 def misses_of(result: Result, true: oi.Robot) -> Misses:
     """The misses from the result's own formulas, evaluated for the true bodies."""
     sets = oi.minimal_sets(result.robot)
-
-    def worst(values: np.ndarray, std: np.ndarray, expected: np.ndarray) -> float:
-        determined = np.isfinite(values)
-        if not determined.any():
-            return float("nan")
-        with np.errstate(divide="ignore", invalid="ignore"):
-            miss = np.abs(values - expected)[determined] / std[determined]
-        # A deviation that is not a number promises nothing that could be kept.
-        return float(np.nan_to_num(miss, nan=np.inf).max())
-
     base, mass = result.base, result.mass
     beta = sets.beta(true.theta)
     M = worst(np.array([mass.value]), np.array([mass.std]), beta[:1])
