@@ -68,8 +68,7 @@ def floating(case: Swings, recording: Recording) -> np.ndarray:
 
 
 @pytest.mark.long
-# That at 10 Hz is no line beside what quick steps move below it.
-@pytest.mark.parametrize("name", [name for name in CASES if "10 Hz" not in name])
+@pytest.mark.parametrize("name", CASES)
 def test_a_ring_is_named_with_its_frequency(tmp_path: Path, name: str):
     case, named = CASES[name](), 0
     (tmp_path / "rigid").mkdir()
@@ -79,9 +78,11 @@ def test_a_ring_is_named_with_its_frequency(tmp_path: Path, name: str):
             robot_of(rigid(case), tmp_path / "rigid", 1.0), np.random.default_rng(seed)
         )
         words = identify(robot, recording).with_causes().refusal()
-        true = floating(case, recording)
+        found = re.search(r"(rings|swung) at (\S+) Hz", words)
+        # Of a joint that gives way, the frequency is that which its file would declare.
+        rings = found and found[1] == "rings"
+        true = floating(case, recording) if rings else np.array([*case.hz.values()])
         print(seed, words, true, flush=True)
-        found = re.search(r"rings at (\S+) Hz", words)
-        off = np.abs(float(found[1]) / true - 1) if found else np.inf
+        off = np.abs(float(found[2]) / true - 1) if found else np.inf
         named += bool(np.min(off) < NEAR)
     assert named >= NAMED * SEEDS

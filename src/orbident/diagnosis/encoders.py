@@ -90,7 +90,7 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
         frequency = 1 / (2 * np.pi * bend**0.5)
         return (
             "joints are flexible, between an encoder on the motor and the link: joint "
-            f"{name} gives way, as if it swung at {frequency:.2g} Hz ('flexible' in "
+            f"{name} gives way, as if it swung at {frequency:.3g} Hz ('flexible' in "
             "the robot file says so)"
         )
 

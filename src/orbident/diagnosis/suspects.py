@@ -170,15 +170,17 @@ def tried(
         if not (found.accepted or found.misfit < best.misfit - WORTH):
             break
         best = found
-        if found.accepted or found.misfit > before:
-            break
         if found.estimate is None or found.estimate.solution is None:
             break
         # Scores are of a best fit.
-        if found.lost:
+        if found.lost or found.misfit > before:
             break
         (more,) = Scores(right, found.estimate.solution).of([suspect])
         if not more.fall or np.all(abs(more.values) < SETTLED * more.std):
             break
         numbers = numbers + more.values
+        if found.accepted:
+            # What is off by little is accepted, too: nearer to it there is no other.
+            best = found._replace(cause=suspect.words(numbers))
+            break
     yield best

@@ -142,7 +142,7 @@ def _clock_of(
 
     # Only on the clock that settles it is it asked what else acts: that takes longest.
     settled = _settled(start, plainly)
-    found = _settled(settled.clock if settled else start, in_full, sure=True)
+    found = settled and _settled(settled.clock, in_full, sure=True)
     if found is None or misfit(found.fit.shown) > misfit(shown) - WORTH:
         return punctual, first
     clock = found.clock
