@@ -27,6 +27,7 @@ from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import (
+    HALF,
     OutOfTimeError,
     Rival,
     Trial,
@@ -122,11 +123,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     wrong, *_ = conventions = tried_conventions(problem)
     # Linear equations know nothing of thrust.
     plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
-    # Those of a short recording are poor: it is no mistake that all sensors deny.
-    denied = shown is not None and leaves_nothing(problem, shown)
-    if plain and wrong.residuals_alone > FALLS and not denied:
-        yield wrong.check()
-    elif usual:
+    if usual:
         # That parameters are of a likelier sign is not enough where it can be tried.
         yield from _by_trials(solved, usual, conventions, jumped, end)
     else:
@@ -290,7 +287,8 @@ def _explained(best: Trial, before: float) -> Check:
     elif best.score is not None:
         # Its size was held fixed: standard deviations do not include its own error.
         remedy = "measure how large it is, and correct it"
-    if best.seen or falls > best.rival.falls + WORTH:
+    least = max(best.rival.falls + WORTH, best.rival.falls / HALF)
+    if best.seen or falls > least:
         return _found(words, remedy, falls)
     other = best.rival.cause
     return _found(
@@ -337,13 +335,13 @@ def _stages(
     late = far_off(problem)
     far = any(late.values())
     yield clocks(problem, late) if far else ()
-    untried += sorted(every_score(solved, before), key=lambda each: -each.falls)
+    scores = every_score(solved, before, far)
+    untried += sorted(scores, key=lambda each: -each.falls)
     yield likeliest(untried)
     # A part that swings fast looks like noise, and like spikes.
     yield from (noisier_sensors(problem), spikes(problem))
     # Wrong inertias of known wheels may look like another one.
     yield missing_wheel(problem)
-    yield () if far else clocks(problem, late)
     yield lasting_errors(problem, shown=solved.shown)
 
 

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from orbident.diagnosis.noisier_sensors import UNMODELLED
 from orbident.diagnosis.shifts import less, shown_by
 from orbident.diagnosis.suspects import Numbers, Suspect
-from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.gaussian import noisiest_std
 from orbident.recordings.derivatives import HALF, derivatives
@@ -110,6 +110,9 @@ def smoothed(problem: MomentumProblem) -> Iterator[Trial]:
 
 
 def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:
+    def rival(c: Numbers) -> Rival:
+        return UNMODELLED if CLEAR * c[0] ** 2 < abs(c[1]) else NONE
+
     def words(c: Numbers) -> str:
         late, smooth = float(c[0]), float(c[1])
         if CLEAR * late**2 < smooth:
@@ -137,7 +140,7 @@ def _filtered(what: str, by_sensor: Mapping[str, Slopes]) -> Suspect:
             return problem.amended(recording=recording)
         return replace(problem, recording=recording)
 
-    return Suspect(words, SMALL, corrected)
+    return Suspect(words, SMALL, corrected, rival=rival)
 
 
 def slopes(t: Float[np.ndarray, " n"], x: Float[np.ndarray, "n axes"]) -> Slopes:

@@ -86,7 +86,7 @@ def point_of_a_link(problem: MomentumProblem) -> Iterator[Trial]:
     shows a point of any link as one of the base of another robot.
     """
     robot, samples = problem.robot, problem.samples
-    if not robot.joints:
+    if not (robot.joints and problem.recording.has_vector("position")):
         return
     axes = list(conserved_axes(robot)[1])
     q, x_WB = np.column_stack(samples.q), np.column_stack(samples.x_WB)

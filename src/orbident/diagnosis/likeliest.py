@@ -11,20 +11,16 @@ from orbident.diagnosis.filters import filters
 from orbident.diagnosis.frames import beside
 from orbident.diagnosis.instruments import freed, kinds
 from orbident.diagnosis.jumps import steps
-from orbident.diagnosis.late_clocks import fast_clocks
+from orbident.diagnosis.late_clocks import SHARED, clocks, fast_clocks
 from orbident.diagnosis.shifts import curved_scales, drifts, vibrations
 from orbident.diagnosis.suspects import Scores, tried
-from orbident.diagnosis.trial import Trial
+from orbident.diagnosis.trial import HALF, Trial
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Solved
 from orbident.estimation.output_error.sensors import joints_with_torques
 
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
-
-FIRST_ORDER = 0.5
-"""Part of the score of what is accepted above which another one may explain as much:
-scores are of first order."""
 
 
 class Scored(NamedTuple):
@@ -48,12 +44,18 @@ def likeliest(untried: list[Scored]) -> Iterator[Trial]:
             first = untried.pop(0)
             for one in first.put():
                 if one.accepted:
-                    least = max(least, FIRST_ORDER * first.falls)
+                    least = max(least, HALF * first.falls)
                 yield one._replace(score=first.falls)
 
 
-def every_score(solved: Solved, before: float) -> Iterator[Scored]:
-    """What each of them would explain to first order, and how it is tried."""
+def every_score(solved: Solved, before: float, far: bool) -> Iterator[Scored]:
+    """What each of them would explain to first order, and how it is tried.
+
+    Args:
+        solved: the fit that they are scored at.
+        before: its misfit.
+        far: whether clocks are far off: their scores are of what is small.
+    """
     problem, shown = solved.problem, solved.shown
     if shown is None or shown.solution is None or shown.sensitivity is None:
         return
@@ -65,6 +67,11 @@ def every_score(solved: Solved, before: float) -> Iterator[Scored]:
         if first.values.size:
             gain = first.fall - price * first.values.size
             yield Scored(gain, f"{kind} is off", partial(freed, problem, kind))
+    late = table.together([f"{name}.clock" for name in SHARED])
+    if late.values.size and not far:
+        now = dict.fromkeys(SHARED, 0.0)
+        gain = late.fall - price * late.values.size
+        yield Scored(gain, "a clock is late", partial(clocks, problem, now))
     suspects = (
         *beside(problem),
         *steps(problem, shown),

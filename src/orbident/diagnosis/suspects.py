@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.trial import Trial, trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, in_time, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -50,6 +50,8 @@ class Suspect(NamedTuple):
     """Robot and recording with these numbers put right; not yet fitted again."""
     most: float = np.inf
     """The largest that a number can be: what would have to be more is no cause."""
+    rival: Callable[[Numbers], Rival] = lambda _: NONE
+    """What may look like it in any case."""
 
 
 NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
@@ -120,6 +122,7 @@ class Scores:
 
     def _equations(self, changed: MomentumProblem) -> Problem:
         """Those of a change so small that noise, and what acts, stay the same."""
+        in_time()
         robot, recording = changed.robot, changed.recording
         late = delays(robot, recording, changed.late)
         heard = without_followers(recording, changed.samples.led)
@@ -183,4 +186,4 @@ def tried(
             # What is off by little is accepted, too: nearer to it there is no other.
             best = found._replace(cause=suspect.words(numbers))
             break
-    yield best
+    yield best._replace(rival=max(best.rival, suspect.rival(numbers)))

@@ -27,6 +27,10 @@ NEARLY = 0.9
 """Part of what explains a recording: suspects are put right to first order, so that the
 true one may explain a little less than another one that is accepted."""
 
+HALF = 0.5
+"""Part of what a cause explains that another one may explain, too, so that nobody knows
+which of them it is: scores are of first order, and no cause is quite what happens."""
+
 _end = ContextVar("end", default=np.inf)
 
 
@@ -51,8 +55,12 @@ def given_up_at(end: float) -> Iterator[None]:
         _end.reset(token)
 
 
-def _in_time(_: float) -> None:
-    """Called at every step of a search."""
+def in_time(_: float = 0.0) -> None:
+    """Called at every step of a search.
+
+    Raises:
+        OutOfTimeError: its time is over.
+    """
     if process_time() > _end.get():
         raise OutOfTimeError
 
@@ -114,7 +122,7 @@ def trial(
     try:
         if obstacles(problem, bool(driven)):
             return Trial(cause, False, np.inf)
-        shown = fit.estimate(problem, _in_time)
+        shown = fit.estimate(problem, in_time)
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
@@ -166,7 +174,7 @@ def sure_trial(one: Trial, before: float) -> Trial:
 def best_trial(trials: list[Trial], before: float) -> Trial | None:
     """The best trial; of those that explain alike the one that was likelier.
 
-    Its rival is another one that is accepted and explains nearly as much, or one that
+    Its rival is another one that is accepted and explains half as much, or one that
     explains far more, though not all.
     """
     best = min(trials, key=rank, default=None)
@@ -178,8 +186,8 @@ def best_trial(trials: list[Trial], before: float) -> Trial | None:
 
     def rivals(one: Trial) -> bool:
         falls = before - one.misfit
-        nearly = falls > NEARLY * least
-        return bool(nearly if one.accepted else NEARLY * falls > least)
+        half = falls > HALF * least
+        return bool(half if one.accepted else NEARLY * falls > least)
 
     others = [one for one in trials if one is not first and rivals(one)]
     other = min(others, key=lambda one: one.misfit, default=None)

@@ -22,7 +22,7 @@ from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.output_error.hypotheses import FEW_STEPS, FURTHER
 from orbident.estimation.residual_checks import leaves_nothing
 from orbident.preprocessing.delays import EXPLAINED, LEAST, LONGEST, SURE, Delay
 
@@ -162,7 +162,16 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
         return None, False
     (late,), (std,), fall = alone[CLOCK]
     most = max(each.fall for each in alone.values())
-    return Delay(float(late), float(std), believed=False), WORTH < fall == most
+    likeliest = WORTH < fall == most and FURTHER * fall > _more_than_noise(shown)
+    return Delay(float(late), float(std), believed=False), likeliest
+
+
+def _more_than_noise(shown: Estimate) -> float:
+    """Chi-square that noise as it is declared does not explain, over that found."""
+    goodness = shown.goodness
+    if goodness is None or not goodness.declared:
+        return 0.0
+    return goodness.dof * (1 - 1 / goodness.per_dof)
 
 
 def _settled(

@@ -352,24 +352,21 @@ def long_enough(problem: MomentumProblem, M: float, std: float) -> str:
 def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     """Whether the forms of Eq. 32 give one mass.
 
-    They may differ because linear fits with white noise are poor; where residuals over
-    declared noise say that the equations hold, they do not count.
+    They may differ because linear fits with white noise are poor: where residuals over
+    noise say whether the equations hold, they do not count.
     """
-    goodness = estimate.goodness
-    if not problem.linear or (goodness is not None and goodness.declared):
+    if not problem.linear or estimate.goodness is not None:
         return
     mass = problem.linear_mass
     if mass.value > 0 and mass.spread < SPREAD:
         return
     if len(mass.forms) == 0:
-        if goodness is None:
-            yield Check(
-                "Eq. 32",
-                "do not trust",
-                "mass: no form of Eq. 32 is determined",
-                "weigh the robot with a thruster burn (Eq. 40), or see the warnings "
-                "above",
-            )
+        yield Check(
+            "Eq. 32",
+            "do not trust",
+            "mass: no form of Eq. 32 is determined",
+            "weigh the robot with a thruster burn (Eq. 40), or see the warnings above",
+        )
         return
     yield Check(
         "Eq. 32",
