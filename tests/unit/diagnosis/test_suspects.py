@@ -118,6 +118,10 @@ def test_a_tracked_point_on_a_link():
         found.cause
     )
     assert [*point_of_a_link(problem)] == []
+    every = clean().recording.columns.items()
+    columns = {name: x for name, x in every if not name.startswith("position.")}
+    blind = replace(problem, recording=replace(problem.recording, columns=columns))
+    assert [*point_of_a_link(blind)] == []
 
 
 def test_no_wheel_is_missing():
