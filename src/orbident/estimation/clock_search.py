@@ -65,14 +65,16 @@ class Evidence(NamedTuple):
     """The estimate by output error; None for exact recordings, which need none."""
 
 
-class _Fit(NamedTuple):
+class Fit(NamedTuple):
+    """A problem, and the estimate by output error."""
+
     problem: MomentumProblem
     shown: Estimate
 
 
 class _Settled(NamedTuple):
     clock: Delay
-    fit: _Fit
+    fit: Fit
 
 
 def evidence(
@@ -90,7 +92,7 @@ def evidence(
         return Evidence(problem, None)
     fit = estimator if isinstance(estimator, OutputError) else OutputError()
     part = problem if whole else problem.beginning(MOST)
-    first = _Fit(part, fit.estimate(part, progress))
+    first = Fit(part, fit.estimate(part, progress))
     # Of a recording that was read whole the clock was settled by its digest.
     if problem.extent:
         return Evidence(problem, first.shown)
@@ -111,8 +113,8 @@ def _with(problem: MomentumProblem, clock: Delay) -> MomentumProblem:
 
 
 def _clock_of(
-    first: _Fit, fit: OutputError, progress: Progress
-) -> tuple[Delay | None, _Fit]:
+    first: Fit, fit: OutputError, progress: Progress
+) -> tuple[Delay | None, Fit]:
     """How late joints and wheels are, and the fit on that clock.
 
     Args:
@@ -132,13 +134,13 @@ def _clock_of(
     plain = replace(fit, tested=False, steps=min(fit.steps, FEW_STEPS))
 
     @lru_cache(1)
-    def plainly(late: float) -> _Fit:
+    def plainly(late: float) -> Fit:
         there = _with(first.problem, Delay(late, np.inf, believed=True))
-        return _Fit(there, plain.estimate(there, progress))
+        return Fit(there, plain.estimate(there, progress))
 
-    def in_full(late: float) -> _Fit:
+    def in_full(late: float) -> Fit:
         there, shown = plainly(late)
-        return _Fit(there, shown.tested() if fit.tested and shown.tested else shown)
+        return Fit(there, shown.tested() if fit.tested and shown.tested else shown)
 
     # Only on the clock that settles it is it asked what else acts: that takes longest.
     settled = _settled(start, plainly)
@@ -176,7 +178,7 @@ def _more_than_noise(shown: Estimate) -> float:
 
 def _settled(
     clock: Delay,
-    fitted: Callable[[float], _Fit],
+    fitted: Callable[[float], Fit],
     sure: bool = False,
 ) -> _Settled | None:
     """The clock that is freed again and again, where that comes to an end.

@@ -9,13 +9,12 @@ one where the robots before and after it are not the same.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.clock_search import MOST, Evidence, evidence, misfit
+from orbident.estimation.clock_search import MOST, Evidence, Fit, evidence, misfit
 from orbident.estimation.estimate import Change, Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.levels import ChiSquare, Rule, chi_square, limit
@@ -59,14 +58,7 @@ def differing(one: Estimate, other: Estimate) -> ChiSquare:
     return chi_square((a.values - b.values)[both], C)
 
 
-class _Part(NamedTuple):
-    """A part of a recording, and what fits it."""
-
-    problem: MomentumProblem
-    shown: Estimate
-
-
-def _apart(before: _Part, after: _Part) -> ChiSquare:
+def _apart(before: Fit, after: Fit) -> ChiSquare:
     """How far two parts are from being of one robot, as a chi-square.
 
     The least cost of a short part may lie in a curved valley: its deviations hold what
@@ -115,8 +107,8 @@ def since_the_last_change(
 
 
 def _next_change(
-    between: Callable[[float, float], _Part | None],
-    apart: Callable[[_Part, _Part], ChiSquare],
+    between: Callable[[float, float], Fit | None],
+    apart: Callable[[Fit, Fit], ChiSquare],
     t: Float[np.ndarray, " rows"],
     begin: float,
     suspected: Sequence[Change],
@@ -161,7 +153,7 @@ def _next_change(
     return None
 
 
-def _alike(part: _Part | None, known: _Part | None) -> _Part | None:
+def _alike(part: Fit | None, known: Fit | None) -> Fit | None:
     """The part, or None where more acts in it than in a part known before.
 
     A change of the robot shortly before a part ends may look like a torque or a force.
@@ -170,7 +162,7 @@ def _alike(part: _Part | None, known: _Part | None) -> _Part | None:
     return None if more else part
 
 
-def _between(problem: MomentumProblem, begin: float, end: float) -> _Part | None:
+def _between(problem: MomentumProblem, begin: float, end: float) -> Fit | None:
     """What fits the part between two times, s; None where nothing does soon."""
     t = problem.recording.t
     if np.count_nonzero((t >= begin) & (t <= end)) < FEWEST:
@@ -183,7 +175,7 @@ def _between(problem: MomentumProblem, begin: float, end: float) -> _Part | None
     if shown is None or not shown.converged:
         return None
     good = all(x.level != "do not trust" for x in residual_checks(part, shown))
-    return _Part(on, shown) if good else None
+    return Fit(on, shown) if good else None
 
 
 def _cut(problem: MomentumProblem, begin: float, end: float) -> MomentumProblem:
