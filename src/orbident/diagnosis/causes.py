@@ -27,7 +27,6 @@ from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import (
-    HALF,
     OutOfTimeError,
     Rival,
     Trial,
@@ -287,8 +286,7 @@ def _explained(best: Trial, before: float) -> Check:
     elif best.score is not None:
         # Its size was held fixed: standard deviations do not include its own error.
         remedy = "measure how large it is, and correct it"
-    least = max(best.rival.falls + WORTH, best.rival.falls / HALF)
-    if best.seen or falls > least:
+    if best.seen or falls > best.rival.falls + WORTH:
         return _found(words, remedy, falls)
     other = best.rival.cause
     return _found(

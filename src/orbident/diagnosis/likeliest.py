@@ -14,13 +14,17 @@ from orbident.diagnosis.jumps import steps
 from orbident.diagnosis.late_clocks import SHARED, clocks, fast_clocks
 from orbident.diagnosis.shifts import curved_scales, drifts, vibrations
 from orbident.diagnosis.suspects import Scores, tried
-from orbident.diagnosis.trial import HALF, Trial
+from orbident.diagnosis.trial import Trial
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Solved
 from orbident.estimation.output_error.sensors import joints_with_torques
 
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
+
+FIRST_ORDER = 0.5
+"""Part of the score of what is accepted above which another one may explain as much:
+scores are of first order."""
 
 
 class Scored(NamedTuple):
@@ -44,7 +48,7 @@ def likeliest(untried: list[Scored]) -> Iterator[Trial]:
             first = untried.pop(0)
             for one in first.put():
                 if one.accepted:
-                    least = max(least, HALF * first.falls)
+                    least = max(least, FIRST_ORDER * first.falls)
                 yield one._replace(score=first.falls)
 
 

@@ -27,10 +27,6 @@ NEARLY = 0.9
 """Part of what explains a recording: suspects are put right to first order, so that the
 true one may explain a little less than another one that is accepted."""
 
-HALF = 0.5
-"""Part of what a cause explains that another one may explain, too, so that nobody knows
-which of them it is: scores are of first order, and no cause is quite what happens."""
-
 _end = ContextVar("end", default=np.inf)
 
 
@@ -174,7 +170,7 @@ def sure_trial(one: Trial, before: float) -> Trial:
 def best_trial(trials: list[Trial], before: float) -> Trial | None:
     """The best trial; of those that explain alike the one that was likelier.
 
-    Its rival is another one that is accepted and explains half as much, or one that
+    Its rival is another one that is accepted and explains nearly as much, or one that
     explains far more, though not all.
     """
     best = min(trials, key=rank, default=None)
@@ -186,8 +182,8 @@ def best_trial(trials: list[Trial], before: float) -> Trial | None:
 
     def rivals(one: Trial) -> bool:
         falls = before - one.misfit
-        half = falls > HALF * least
-        return bool(half if one.accepted else NEARLY * falls > least)
+        nearly = falls > NEARLY * least
+        return bool(nearly if one.accepted else NEARLY * falls > least)
 
     others = [one for one in trials if one is not first and rivals(one)]
     other = min(others, key=lambda one: one.misfit, default=None)
