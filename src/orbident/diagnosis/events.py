@@ -158,10 +158,8 @@ def _part(
     recording = problem.recording
     if recording.t[rows].size < FEWEST:
         return Trial("", False, np.inf)
-    columns = {name: column[rows] for name, column in recording.columns.items()}
-    part = replace(recording, t=recording.t[rows], columns=columns)
     known = replace(problem, initial_momentum=initial_momentum)
-    return amended_trial("", known, recording=part)
+    return amended_trial("", known, recording=recording.some(rows))
 
 
 def _same(one: Trial, other: Trial) -> bool:

@@ -99,17 +99,14 @@ def evidence(
     clock, found = _clock_of(first, fit, progress)
     if clock is not None:
         problem = _with(problem, clock)
-    if problem.exact and not whole:
-        return Evidence(problem, None)
-    return Evidence(problem, found.shown)
+    return Evidence(problem, None if problem.exact and not whole else found.shown)
 
 
 def _with(problem: MomentumProblem, clock: Delay) -> MomentumProblem:
     """The problem on this clock of joints and wheels, where it is believed."""
     clocks = {**problem.clocks, "joints": clock}
-    if not clock.believed:
-        return replace(problem, clocks=clocks)
-    return on_clocks(problem, clocks)
+    again = on_clocks if clock.believed else replace
+    return again(problem, clocks=clocks)
 
 
 def _clock_of(

@@ -172,10 +172,7 @@ class MomentumProblem:
         recording = self.recording
         if recording.t.size <= samples:
             return self
-        columns = {name: x[:samples] for name, x in recording.columns.items()}
-        return self.amended(
-            recording=replace(recording, t=recording.t[:samples], columns=columns)
-        )
+        return self.amended(recording=recording.some(slice(samples)))
 
     def without(self, given: OutsideMomentum) -> "MomentumProblem":
         """The problem of the same motion, without what acts from outside."""

@@ -358,15 +358,7 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     if not problem.linear or estimate.goodness is not None:
         return
     mass = problem.linear_mass
-    if mass.value > 0 and mass.spread < SPREAD:
-        return
-    if len(mass.forms) == 0:
-        yield Check(
-            "Eq. 32",
-            "do not trust",
-            "mass: no form of Eq. 32 is determined",
-            "weigh the robot with a thruster burn (Eq. 40), or see the warnings above",
-        )
+    if not len(mass.forms) or (mass.value > 0 and mass.spread < SPREAD):
         return
     yield Check(
         "Eq. 32",

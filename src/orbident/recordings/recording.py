@@ -205,6 +205,10 @@ class Recording:
         """
         rows = within(self.t, start, end)
         check_cut(self.source, start, end, int(rows.sum()), self.t[0], self.t[-1])
+        return self.some(rows)
+
+    def some(self, rows: slice | Bool[np.ndarray, " samples"]) -> "Recording":
+        """These rows alone."""
         columns = {name: column[rows] for name, column in self.columns.items()}
         return replace(self, t=self.t[rows], columns=columns)
 
