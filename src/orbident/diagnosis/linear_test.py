@@ -1,7 +1,9 @@
 """Which convention makes the linear equations 24 and 31 fit best."""
 
 import math
-from typing import NamedTuple
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple, Self
 
 import numpy as np
 from jaxtyping import Float
@@ -73,6 +75,15 @@ class CorrectedConvention(NamedTuple):
     as_cad: bool
     """Whether parameters are of the size that CAD has, and far from it as recorded."""
 
+    def or_one_of(self, others: Iterable["CorrectedConvention"]) -> Self:
+        """This one, and in words the first of others that looks the same."""
+        for one in others:
+            other = one.convention.cause != self.convention.cause
+            if other and math.isclose(one.falls, self.falls, rel_tol=SAME):
+                cause = f"{self.convention.cause}, or {one.convention.cause}"
+                return self._replace(convention=replace(self.convention, cause=cause))
+        return self
+
     def check(self) -> Check:
         """What refuses the recording, in words."""
         times = f"{self.residuals_alone:.2g}"
@@ -108,7 +119,8 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
             worth[k] = one
     others = [one for k, one in enumerate(found) if k not in worth]
     first = sorted(worth.values(), key=lambda one: -one.falls)
-    return [*first[:1], *sorted([*first[1:], *others], key=lambda one: -one.falls)]
+    rest = sorted([*first[1:], *others], key=lambda one: -one.falls)
+    return [*(one.or_one_of(rest) for one in first[:1]), *rest]
 
 
 def _corrected(part: MomentumProblem, convention: Convention) -> CorrectedConvention:
