@@ -5,8 +5,13 @@ import pytest
 from cause_problems import clean, problem_with
 from scipy.spatial.transform import Rotation
 
-from orbident.diagnosis.conventions import conventions
-from orbident.diagnosis.linear_test import FALLS, HARDLY, tried_conventions
+from orbident.diagnosis.conventions import Convention, conventions
+from orbident.diagnosis.linear_test import (
+    FALLS,
+    HARDLY,
+    CorrectedConvention,
+    tried_conventions,
+)
 
 
 def test_no_two_have_the_same_words():
@@ -71,3 +76,13 @@ def test_rates_of_euler_angles():
         }
     )
     assert "Euler" in tried_conventions(problem)[0].convention.cause
+
+
+def test_two_that_look_the_same_are_both_named():
+    def one(cause: str, falls: float) -> CorrectedConvention:
+        written = Convention(cause, lambda problem: problem.recording)
+        return CorrectedConvention(written, falls, falls, as_cad=False)
+
+    first, worse, alike = one("a differs", 46.1), one("b differs", 3.0), one("c", 46.1)
+    assert first.or_one_of([worse, alike]).convention.cause == "a differs, or c"
+    assert first.or_one_of([worse, first]) == first
