@@ -222,7 +222,7 @@ def _extremes(robot: Robot, flight: FreeFlying) -> BaseExtremes:
         table = size_of_table(points_on_table(robot, flight.q, R, flight.r_S))
     return BaseExtremes(
         rate=float(np.linalg.norm(flight.w, axis=1).max()),
-        excursion=float(rotation_angle(x, np.broadcast_to(x[0], x.shape)).max()),
+        excursion=float(rotation_angle(x, x[0]).max()),
         wheel_speed=float(np.abs(flight.qd_rw).max(initial=0.0)),
         table=table,
     )

@@ -66,7 +66,7 @@ class PulseSequence(NamedTuple):
             for name in ("w", "attitude", "r_S", "qd_rw")
         )
         rate = np.linalg.norm(w, axis=1)
-        turned = rotation_angle(x, np.broadcast_to(x[0], x.shape))
+        turned = rotation_angle(x, x[0])
         excursion, v = float(turned.max()), self.flights[-1].v_S[-1]
         if brakes:
             excursion = max(excursion, turned[-1] + rate[-1] ** 2 / 2 / brakes.turn)

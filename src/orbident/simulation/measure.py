@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.interpolate import CubicHermiteSpline
 
 from orbident.errors import InputError
 from orbident.model.core_robot import friction_torques, wheels_of
@@ -119,7 +120,8 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
     The joints' trajectory is in the robot's order.
     """
     at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at)
+    speeds = CubicHermiteSpline(motion.t, motion.qd_rw, at.qdd_rw)
+    return _truth(motion, speeds.antiderivative()(motion.t), at)
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -147,18 +149,6 @@ def _truth(
         velocity=motion.v_S,
         tau=at.tau,
     )
-
-
-def _integrated(
-    t: Float[np.ndarray, " n"],
-    speed: Float[np.ndarray, "n axes"],
-    acceleration: Float[np.ndarray, "n axes"],
-) -> Float[np.ndarray, "n axes"]:
-    """Integral from zero by the trapezoidal rule with end corrections: fourth order."""
-    h = np.diff(t)[:, None]
-    steps = h / 2 * (speed[1:] + speed[:-1])
-    steps -= h**2 / 12 * np.diff(acceleration, axis=0)
-    return np.concatenate([np.zeros_like(speed[:1]), np.cumsum(steps, axis=0)])
 
 
 def measure_truth(
