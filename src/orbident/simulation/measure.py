@@ -14,7 +14,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from orbident.errors import InputError
 from orbident.model.core_robot import friction_torques, wheels_of
-from orbident.model.equations_of_motion import motion_with, movable
+from orbident.model.equations_of_motion import Motion, motion_with, movable
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -33,27 +33,15 @@ from orbident.simulation.sensor import (
 )
 
 
-class Accelerations(NamedTuple):
-    """Accelerations of the base and the wheels at the samples of a motion."""
-
-    w_dot: Float[np.ndarray, "n 3"]
-    """Derivative of the base rate, base axes, rad/s^2."""
-    qdd_rw: Float[np.ndarray, "n wheels"]
-    """Accelerations of the wheels relative to the base, rad/s^2."""
-    f_S: Float[np.ndarray, "n 3"]
-    """Specific force at S, `R_0^T dv_S/dt`, base axes, m/s^2: no gravity is felt."""
-    tau: Float[np.ndarray, "n joints"]
-    """Torques that the joints need, N m or N."""
-
-
 def accelerations(
     robot: Robot, motion: FreeFloating, qdd: Float[np.ndarray, "n joints"]
-) -> Accelerations:
+) -> Motion:
     """Solve the equations of motion (Eq. 13), where no force acts on the whole.
 
     Known are the joints' accelerations and those of held wheels, which are zero; no
     motor drives the free ones. The CM's constant velocity is seen by no sensor here.
-    Those of the joints, `qdd`, are at the samples, rad/s^2 or m/s^2.
+    Those of the joints, `qdd`, are at the samples, rad/s^2 or m/s^2. The specific force
+    at S is `R_0^T dv_S/dt`: no gravity is felt.
     """
     n, joints = motion.q.shape
     of_base, still = np.zeros((n, 3)), np.zeros_like(motion.qd_rw)
@@ -61,13 +49,7 @@ def accelerations(
     known = np.hstack([of_base, of_base, qdd, still])
     free = movable(robot)
     free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
-    found = motion_with(robot, motion.q, v, known, free)
-    return Accelerations(
-        w_dot=found.v_dot[:, 3:6],
-        qdd_rw=found.v_dot[:, 6 + joints :],
-        f_S=found.f_S,
-        tau=found.Q[:, 6 : 6 + joints],
-    )
+    return motion_with(robot, motion.q, v, known, free)
 
 
 Columns = dict[str, Float[np.ndarray, " rows"]]
@@ -119,9 +101,10 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
 
     The joints' trajectory is in the robot's order.
     """
-    at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    speeds = CubicHermiteSpline(motion.t, motion.qd_rw, at.qdd_rw)
-    return _truth(motion, speeds.antiderivative()(motion.t), at)
+    v_dot, f_S, Q = accelerations(robot, motion, trajectory.at(motion.t)[2])
+    wheels = 6 + len(robot.joints)
+    speeds = CubicHermiteSpline(motion.t, motion.qd_rw, v_dot[:, wheels:])
+    return _truth(motion, speeds.antiderivative()(motion.t), f_S, Q[:, 6:wheels])
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -129,13 +112,14 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
 
     Wheels turn on from wherever they were; their angles count from here.
     """
-    return _truth(flight, flight.q_rw - flight.q_rw[0], flight)
+    return _truth(flight, flight.q_rw - flight.q_rw[0], flight.f_S, flight.tau)
 
 
 def _truth(
     motion: FreeFloating | FreeFlying,
     q_rw: Float[np.ndarray, "rows wheels"],
-    at: Accelerations | FreeFlying,
+    f_S: Float[np.ndarray, "rows 3"],
+    tau: Float[np.ndarray, "rows joints"],
 ) -> Truth:
     return Truth(
         q=motion.q,
@@ -143,11 +127,11 @@ def _truth(
         q_rw=q_rw,
         qd_rw=motion.qd_rw,
         gyro=motion.w,
-        accelerometer=at.f_S,
+        accelerometer=f_S,
         attitude=motion.attitude,
         position=motion.r_S,
         velocity=motion.v_S,
-        tau=at.tau,
+        tau=tau,
     )
 
 
