@@ -140,20 +140,17 @@ class PulseSearch(MotionSearch):
 
     def search(self) -> None:
         """Draw sequences, and keep those within their limits."""
-        while self.effort.begins(self.searched, 1.0):
-            self._draw()
-
-    def _draw(self) -> None:
         searched, robot, given = self.searched, self.robot, self.given
-        drawn = _sequence(robot, given, self.brakes, self.random)
-        if drawn.pulses and drawn.over(given.limits) <= 0:
-            motion = _trajectory(robot, given, drawn.pulses)
-            value = log_deviation(robot, motion)
-            searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
-            searched.starts += 1
-        else:
-            searched.refused += 1
-        self.tell(searched.starts)
+        while self.effort.begins(searched, 1.0):
+            drawn = _sequence(robot, given, self.brakes, self.random)
+            if drawn.pulses and drawn.over(given.limits) <= 0:
+                motion = _trajectory(robot, given, drawn.pulses)
+                value = log_deviation(robot, motion)
+                searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
+                searched.starts += 1
+            else:
+                searched.refused += 1
+            self.tell(searched.starts)
 
 
 @one_blas_thread
