@@ -107,7 +107,8 @@ def segment_of(
         robot, motion, by.joints(q, qd, qdd)[2] + by.clock[0] * rate @ qdd
     )
     row = slice(None, None, 2)
-    qd_rw, qdd_rw = by.wheels(motion.qd_rw, felt.qdd_rw, rate)
+    wheels = 6 + len(robot.joints)
+    qd_rw, qdd_rw = by.wheels(motion.qd_rw, felt.v_dot[:, wheels:], rate)
     samples = {
         "gyro": by.rates(motion.w[row]) + GYRO,
         "accelerometer": felt.f_S[row] + ACCELEROMETER,
@@ -154,7 +155,7 @@ def segment_of(
         _, qd_true, qdd_true = by.joints(q, qd, qdd)
         qdd_true = qdd_true + by.clock[0] * jerk
         torque = (
-            accelerations(robot, motion, qdd_true).tau
+            accelerations(robot, motion, qdd_true).Q[:, 6:wheels]
             + armature * qdd_true
             + viscous * qd_true
         )

@@ -15,10 +15,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from jaxtyping import Float
 
 from orbident.campaigns.case import Case
 from orbident.campaigns.executors import Executors, computed
@@ -92,30 +90,23 @@ def result_rows(case: Case, results: Mapping[str, Result]) -> list[Row]:
     """A row for each method: its numbers, and the true ones."""
     sets = minimal_sets(case.subject.robot)
     # Of the formulas that an estimator is given, evaluated for the true bodies.
-    true = sets.beta(case.robot.theta)
-    return [_row(case, method, result, true) for method, result in results.items()]
-
-
-def _row(
-    case: Case, method: str, result: Result, true: Float[np.ndarray, " beta"]
-) -> Row:
-    refused = (c.name for c in result.checks if c.level == "do not trust")
-    base = result.base
-    row: Row = {
-        "run": case.k,
-        "robot": case.subject.name,
-        "method": method,
-        "level": result.level,
-        "refused_by": next(refused, None),
-    }
-    row |= {f"draw.{name}": value for name, value in case.draws.items()}
-    for name, value, std, truth in zip(
-        base.names, base.values, base.std, true, strict=True
-    ):
-        row[f"{name}.value"] = float(value)
-        row[f"{name}.std"] = float(std)
-        row[f"{name}.true"] = float(truth)
-    return row
+    true, rows = sets.beta(case.robot.theta), []
+    for method, result in results.items():
+        refused = (c.name for c in result.checks if c.level == "do not trust")
+        row: Row = {
+            "run": case.k,
+            "robot": case.subject.name,
+            "method": method,
+            "level": result.level,
+            "refused_by": next(refused, None),
+        }
+        row |= {f"draw.{name}": value for name, value in case.draws.items()}
+        base = result.base
+        for what, each in (("value", base.values), ("std", base.std), ("true", true)):
+            names = (f"{name}.{what}" for name in base.names)
+            row |= zip(names, each.tolist(), strict=True)
+        rows.append(row)
+    return rows
 
 
 def _failure(case: Case, error: Exception) -> dict[str, Any]:

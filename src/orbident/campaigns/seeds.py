@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -49,8 +49,7 @@ class StudyRuns:
     @property
     def counts(self) -> dict[str, Any]:
         """As `study --json` gives them."""
-        names = "seeds", "rejected", "elapsed_s"
-        return {name: getattr(self, name) for name in names}
+        return {each.name: getattr(self, each.name) for each in fields(StudyRuns)}
 
 
 class Series(NamedTuple):

@@ -165,14 +165,10 @@ def _rank_correlation(
     x: Float[np.ndarray, "n a"], y: Float[np.ndarray, "n b"]
 ) -> Float[np.ndarray, "a b"]:
     """Spearman's; zero for what does not vary."""
-
-    def unit(values: np.ndarray) -> np.ndarray:
-        ranks = stats.rankdata(values, axis=0)
-        ranks -= ranks.mean(axis=0)
-        size = np.linalg.norm(ranks, axis=0)
-        return ranks / np.where(size > 0, size, 1.0)
-
-    return unit(x).T @ unit(y)
+    ranks = stats.rankdata(np.hstack([x, y]), axis=0)
+    with np.errstate(invalid="ignore"):
+        rho = np.nan_to_num(np.corrcoef(ranks, rowvar=False))
+    return rho[: x.shape[1], x.shape[1] :]
 
 
 def _chance(rho: float, n: int, pairs: int) -> float:

@@ -92,20 +92,11 @@ class Agent:
     is no random walk of the momentum."""
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
-        """What it does to a flight: always at the same points of the same bodies.
-
-        Args:
-            world: what was given to act.
-            motion: the flight at some of its times.
-        """
+        """What it does to a flight: always at the same points of the same bodies."""
         yield from ()
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
-        """What of it may show in a recording, each number at size one.
-
-        Args:
-            motion: the motion that was measured.
-        """
+        """What of it may show in a recording, each number at size one."""
         for name, torque in self.torques(motion):
             yield self.column(name, motion.turning(torque))
 

@@ -68,12 +68,7 @@ PUSH, FILM = steady.Push.group, air_table.FilmDrag.group
 
 
 def loads_of(world: World, motion: RobotMotion) -> list[Load]:
-    """All that acts on a flight: always at the same points of the same bodies.
-
-    Args:
-        world: what was given to act.
-        motion: the flight at some of its times.
-    """
+    """All that acts on a flight: always at the same points of the same bodies."""
     return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
 
 
@@ -82,11 +77,7 @@ ALIKE = {group: each.alike for group, each in AGENTS.items()}
 
 
 def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
-    """All that may act on this robot, and shows in what was recorded.
-
-    Args:
-        motion: the motion that was measured, with what is allowed to act.
-    """
+    """All that may act on this robot, and shows in what was recorded."""
     return (each for agent in AGENTS.values() for each in agent.columns(motion))
 
 

@@ -49,7 +49,7 @@ class Pull(Agent, ABC):
         if getattr(world.environment, self.key) is None or motion.S is None:
             return
         for i, m, com in heavy_bodies(motion.robot):
-            r = motion.S.r + motion.in_inertial(motion.arm(i, com))
+            r = motion.S.r + motion.in_inertial(motion.poses.arm(i, com))
             yield motion.load(i, com, force=m * self.at(world.environment, r))
 
     def pulling(self, motion: RobotMotion, name: str, a: Vectors) -> Disturbance:

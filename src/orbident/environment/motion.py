@@ -160,14 +160,10 @@ class RobotMotion:
         """The same vector at all nodes."""
         return np.tile(x, (self.t.size, 1))
 
-    def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Vectors:
-        """From S to the point `p` of a body, its frame, m; base axes."""
-        return self.poses.arm(body, p)
-
     def point(self, body: int, p: Float[np.ndarray, "3"]) -> PointMotion:
         """How a point moves that is fixed in a body, at `p` of its frame, m."""
         assert self.S is not None
-        at, arm = self.poses, self.arm(body, p)
+        at, arm = self.poses, self.poses.arm(body, p)
         fields = at.field_u + np.cross(at.field_w, arm[:, None])
         by_joints = np.einsum("nk,nki->ni", self._carrying(body), fields)
         v = np.cross(self.w, arm) + by_joints
@@ -207,7 +203,7 @@ class RobotMotion:
 
     def effect(self, load: Load) -> Effect:
         """What a load does to the robot as a whole."""
-        arm = by_step(self.in_inertial(self.arm(load.body, load.point)))
+        arm = by_step(self.in_inertial(self.poses.arm(load.body, load.point)))
         torque = load.moment + np.cross(arm, load.force)
         return self.nothing._replace(force=load.force, torque=torque)
 

@@ -53,7 +53,7 @@ class GravityGradient(Agent):
         tide, n = _tide(world.arc.position(motion.t))
         r_cm = motion.to_cm(motion.robot.theta)
         for i, m, com in heavy_bodies(motion.robot):
-            r = motion.in_inertial(motion.arm(i, com)) - r_cm
+            r = motion.in_inertial(motion.poses.arm(i, com)) - r_cm
             force = m * tide * (3 * np.sum(n * r, axis=1, keepdims=True) * n - r)
             R_Wi = motion.R_WB @ motion.poses.R[:, i]
             I_i = inertia_about_com(motion.robot.theta[i])

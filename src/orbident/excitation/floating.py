@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
+from scipy.integrate import cumulative_trapezoid
 
 from orbident import _core
 from orbident.model.core_robot import Wheels, core_robot, wheels_of
@@ -166,8 +167,7 @@ def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
 
 def running_integral(X: Rows, dt: float) -> Rows:
     """The integral from the first node on, by the trapezoidal rule."""
-    steps = dt / 2 * (X[1:] + X[:-1])
-    return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
+    return cumulative_trapezoid(X, dx=dt, axis=0, initial=0)
 
 
 def running_integral_transposed(G: Rows, dt: float) -> Rows:

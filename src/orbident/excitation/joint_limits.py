@@ -87,9 +87,8 @@ class JointMotions(NamedTuple):
         self, y: Float[np.ndarray, "free m"]
     ) -> tuple[Float[np.ndarray, "joints N_f"], Float[np.ndarray, "joints N_f"]]:
         """`a` and `b` of Eq. 41."""
-        ab = self._gain @ (y @ self.ab_of_y.T)
-        harmonics = ab.shape[1] // 2
-        return ab[:, :harmonics], ab[:, harmonics:]
+        a, b = np.hsplit(self._gain @ (y @ self.ab_of_y.T), 2)
+        return a, b
 
 
 def joint_motions(

@@ -190,7 +190,7 @@ class OutsideChanges:
             torque = self._torque[:, :, on_base]
             f.R += by @ (np.swapaxes(torque, 1, 2) @ motion.R)
         for i, pad, pushed, turned in self._pads:
-            x = self._at.in_inertial(self._at.arm(i, pad) - motion.r_cm)
+            x = self._at.in_inertial(self._at.poses.arm(i, pad) - motion.r_cm)
             by_x = _by_area(x, motion.v_cm * motion.dt, by_h[:, 0, pushed])
             by_angle = -self._stds[turned] * by_h[:, 0, turned]
             self._add_pad(f, i, pad, -self._stds[pushed] * by_x, by_angle)

@@ -203,12 +203,8 @@ class Effort:
         if searched.refused + starts >= VAIN * (1 + starts):
             return False
         if self.budget:
-            return starts == 0 or not self.over(until)
+            return starts == 0 or self.used < until
         return starts < self.starts or searched.evaluations < self.evaluations
-
-    def over(self, share: float) -> bool:
-        """Whether so much of the time is up."""
-        return self.used >= share
 
     @property
     def used(self) -> float:
@@ -321,7 +317,7 @@ class JointSearch(MotionSearch):
         before, self.searched.optima = self.searched.optima, []
         try:
             for each in before[:most]:
-                if self.effort.over(stage.until):
+                if self.effort.used >= stage.until:
                     break
                 self._descend(each, stage)
         finally:
@@ -330,7 +326,7 @@ class JointSearch(MotionSearch):
     def _descend(self, start: Feasible, stage: DescentStage) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
-        descent = Descent(start.space, stage, lambda: effort.over(stage.until))
+        descent = Descent(start.space, stage, lambda: effort.used >= stage.until)
         try:
             descent.run(start.y)
         finally:

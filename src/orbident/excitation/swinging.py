@@ -17,7 +17,6 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.linear_fits import InitialMomentum
 from orbident.excitation.bound import log_deviation
 from orbident.excitation.conditions import BaseExtremes, Conditions
 from orbident.excitation.floating import was_at_rest
@@ -89,12 +88,6 @@ class SwingSearch(MotionSearch):
     design: Callable[..., Trajectory]
     """`design_excitation`, which finds the best motion of a robot without springs."""
 
-    @property
-    def momentum(self) -> InitialMomentum:
-        """What is known of the robot's momentum as a motion begins."""
-        still = was_at_rest(self.robot, self.given.initial, self.given.start)
-        return "at-rest" if still else "unknown"
-
     def search(self) -> None:
         """Design and fly a motion of each number of harmonics."""
         effort, twin, parts = self.effort, stiff(self.robot), len(self.harmonics)
@@ -122,14 +115,16 @@ class SwingSearch(MotionSearch):
 
     def _fly(self, motion: Trajectory) -> None:
         """Keeps the motion, made smaller where it does not keep to its limits."""
-        robot, limits = self.robot, self.given.limits
+        robot, given, limits = self.robot, self.given, self.given.limits
+        still = was_at_rest(robot, given.initial, given.start)
         for share in SHARES:
             smaller = replace(motion, a=share * motion.a, b=share * motion.b)
             joints = extremes_of(smaller)
             flight = fly_along(robot, smaller, robot.sensors.rows_per_second)
             base = _extremes(robot, flight)
             if not (broken_by_joints(joints, limits) or broken_by_base(base, limits)):
-                value = log_deviation(robot, smaller, self.momentum)
+                momentum = "at-rest" if still else "unknown"
+                value = log_deviation(robot, smaller, momentum)
                 swings = np.abs(flight.q).max(axis=0)
                 self.searched.random.append(
                     Swinging(smaller, joints, value, base, swings, share)
@@ -222,7 +217,7 @@ def _extremes(robot: Robot, flight: FreeFlying) -> BaseExtremes:
         table = size_of_table(points_on_table(robot, flight.q, R, flight.r_S))
     return BaseExtremes(
         rate=float(np.linalg.norm(flight.w, axis=1).max()),
-        excursion=float(rotation_angle(x, np.broadcast_to(x[0], x.shape)).max()),
+        excursion=float(rotation_angle(x, x[0]).max()),
         wheel_speed=float(np.abs(flight.qd_rw).max(initial=0.0)),
         table=table,
     )

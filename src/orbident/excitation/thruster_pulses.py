@@ -66,7 +66,7 @@ class PulseSequence(NamedTuple):
             for name in ("w", "attitude", "r_S", "qd_rw")
         )
         rate = np.linalg.norm(w, axis=1)
-        turned = rotation_angle(x, np.broadcast_to(x[0], x.shape))
+        turned = rotation_angle(x, x[0])
         excursion, v = float(turned.max()), self.flights[-1].v_S[-1]
         if brakes:
             excursion = max(excursion, turned[-1] + rate[-1] ** 2 / 2 / brakes.turn)
@@ -140,20 +140,17 @@ class PulseSearch(MotionSearch):
 
     def search(self) -> None:
         """Draw sequences, and keep those within their limits."""
-        while self.effort.begins(self.searched, 1.0):
-            self._draw()
-
-    def _draw(self) -> None:
         searched, robot, given = self.searched, self.robot, self.given
-        drawn = _sequence(robot, given, self.brakes, self.random)
-        if drawn.pulses and drawn.over(given.limits) <= 0:
-            motion = _trajectory(robot, given, drawn.pulses)
-            value = log_deviation(robot, motion)
-            searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
-            searched.starts += 1
-        else:
-            searched.refused += 1
-        self.tell(searched.starts)
+        while self.effort.begins(searched, 1.0):
+            drawn = _sequence(robot, given, self.brakes, self.random)
+            if drawn.pulses and drawn.over(given.limits) <= 0:
+                motion = _trajectory(robot, given, drawn.pulses)
+                value = log_deviation(robot, motion)
+                searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
+                searched.starts += 1
+            else:
+                searched.refused += 1
+            self.tell(searched.starts)
 
 
 @one_blas_thread

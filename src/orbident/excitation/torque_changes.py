@@ -210,11 +210,8 @@ class TorqueChanges:
     def _by_step_transposed(
         self, by: Float[np.ndarray, "steps driven columns"]
     ) -> Float[np.ndarray, "nodes rows columns"]:
-        before, after = (
-            np.pad(by, (side, (0, 0), (0, 0))) for side in ((1, 0), (0, 1))
-        )
-        by_p, by_e = (before - after) / self.dt, -(before + after) / 2
-        return np.concatenate([by_p, by_e], axis=1)
+        by_e = -(np.pad(by, (*BEFORE, (0, 0))) + np.pad(by, (*AFTER, (0, 0)))) / 2
+        return np.concatenate([_steps_transposed(by / self.dt), by_e], axis=1)
 
     def _shapes(self) -> Float[np.ndarray, "errors steps driven"]:
         """What a sensor shows by one of each error of its own."""
@@ -252,10 +249,10 @@ BEFORE, AFTER = ((1, 0), (0, 0)), ((0, 1), (0, 0))
 
 
 def _steps_transposed(
-    by: Float[np.ndarray, "steps columns"],
-) -> Float[np.ndarray, "nodes columns"]:
+    by: Float[np.ndarray, "steps ..."],
+) -> Float[np.ndarray, "nodes ..."]:
     """The gradient with respect to `x`, from that with respect to `x[1:] - x[:-1]`."""
-    return np.pad(by, BEFORE) - np.pad(by, AFTER)
+    return -np.diff(by, axis=0, prepend=0, append=0)
 
 
 def _mean_signs(

@@ -10,6 +10,7 @@ Over samples that follow each other runs one robot's filter, with its watch for 
 import hashlib
 from collections import Counter
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -242,7 +243,7 @@ class LiveFilter:
             before,
             held=before.held.copy(),
             counts=Counter(before.counts),
-            clocks=before.clocks.copied(),
+            clocks=deepcopy(before.clocks),
         )
         try:
             self._take(at, samples)

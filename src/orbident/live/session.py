@@ -308,7 +308,14 @@ class Session:
         for sink in sinks:
             sink(document)
         if not self._lines.known:
-            raise InputError(self._lines.lacking or self._no_columns())
+            found = (
+                "no line names the columns" if self._unreadable else "no sample came"
+            )
+            raise InputError(
+                self._lines.lacking
+                or f"{self._source}: {found}; send a line such as "
+                "'t,joint.joint1.position,..' first and then samples, or JSON objects"
+            )
         if last is None:
             came = ", ".join(f"{n} {name}" for name, n in counts.items() if n)
             raise InputError(
@@ -316,13 +323,6 @@ class Session:
                 f"complete samples, at most {PAUSE:g} s apart and in {ALONE:g} s or "
                 f"more; found {came}; check what is sent, t is in seconds"
             )
-
-    def _no_columns(self) -> str:
-        found = "no line names the columns" if self._unreadable else "no sample came"
-        return (
-            f"{self._source}: {found}; send a line such as "
-            "'t,joint.joint1.position,..' first and then samples, or JSON objects"
-        )
 
     def _save(self) -> None:
         if self._state is not None:

@@ -13,7 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple, TextIO
+from typing import TextIO
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -52,15 +52,6 @@ def complete(samples: Float[np.ndarray, "n all"]) -> Bool[np.ndarray, " n"]:
     return np.logical_and.reduce(there, axis=1)
 
 
-class Read(NamedTuple):
-    """What some lines were."""
-
-    samples: Float[np.ndarray, "n all"]
-    """The time, then all that the filter takes."""
-    unreadable: int
-    """Lines that were neither a header nor a sample."""
-
-
 class Lines:
     """Reads lines as they come; the header is what it remembers."""
 
@@ -78,8 +69,11 @@ class Lines:
         self.lacking = ""
         """What the first header, or object, lacked, and what to do."""
 
-    def take(self, lines: Iterable[bytes]) -> Read:
-        """The samples of some lines."""
+    def take(self, lines: Iterable[bytes]) -> tuple[Float[np.ndarray, "n all"], int]:
+        """The samples of some lines: the time, then all that the filter takes.
+
+        Then how many lines were neither a header nor a sample.
+        """
         samples, unreadable = [], 0
         for line in lines:
             text = line.strip()
@@ -93,7 +87,7 @@ class Lines:
             if sample is not None:
                 samples.append(sample)
         table = np.array(samples, dtype=float).reshape(-1, len(self._columns))
-        return Read(table, unreadable)
+        return table, unreadable
 
     def _one(self, text: bytes) -> list[float] | None:
         """One sample; none for a header."""

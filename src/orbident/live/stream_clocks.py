@@ -121,16 +121,6 @@ class StreamClocks:
     others: list[StreamClock] = field(default_factory=list)
     """The one that was heard last is the last."""
 
-    def copied(self) -> "StreamClocks":
-        """One that can be changed without this one."""
-        others = [
-            replace(each, rows=[row.copy() for row in each.rows])
-            for each in self.others
-        ]
-        return replace(
-            self, believed=self.believed and replace(self.believed), others=others
-        )
-
     def waiting(self) -> int:
         """How many samples of other clocks wait."""
         return sum(len(each.rows) for each in self.others)

@@ -20,7 +20,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
 from orbident.model.core_robot import KEPT, core_robot
-from orbident.model.kinematics import inertia, inertia_at, point_jacobian
+from orbident.model.kinematics import carrying_joints, inertia, inertia_at, poses
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.threads import processors
@@ -145,10 +145,12 @@ def jacobian(
         InputError: the body is not the robot's.
     """
     _check_known(robot, body, robot.bodies, "body", "bodies")
-    J = velocity_of_S(robot, q)
-    # The rows relative to S contain the base rate already.
-    J[3:] = 0.0
-    J[:, 3 : 6 + q.size] += point_jacobian(robot, q, robot.bodies.index(body), p)
+    at, index = poses(robot, q[None]), robot.bodies.index(body)
+    r, carries = at.arm(index, p)[0], carrying_joints(robot, index)[:, None]
+    J, w, of_joints = velocity_of_S(robot, q), slice(3, 6), slice(6, 6 + q.size)
+    J[:3, w] -= cross_matrix(r)
+    J[:3, of_joints] += (carries * (at.field_u[0] + np.cross(at.field_w[0], r))).T
+    J[3:, of_joints] = (carries * at.field_w[0]).T
     return J
 
 
@@ -263,7 +265,9 @@ def check_definite(robot: Robot) -> None:
         IndefiniteError: somewhere it is not positive definite.
         InputError: nor can it be, as a body between two joints has no mass.
     """
-    may, q = movable(robot), _configurations(robot)
+    may, ends = movable(robot), [j.position or (-np.pi, np.pi) for j in robot.joints]
+    low, high = np.clip(np.reshape(ends, (-1, 2)).T, -np.pi, np.pi)
+    q = np.random.default_rng(0).uniform(low, high, (CONFIGURATIONS, low.size))
     H, _, _ = equations_of_motion(robot, q, np.zeros((len(q), may.size)))
     H = H[:, may][:, :, may]
     turns = (f"the base about {k}" for k in "xyz")
@@ -279,12 +283,6 @@ def check_definite(robot: Robot) -> None:
     if values[state, 0] <= SINGULAR:
         speed = int(np.abs(vectors[state, :, 0]).argmax())
         _refuse_identified(robot, names[speed], q[state])
-
-
-def _configurations(robot: Robot) -> Float[np.ndarray, "n joints"]:
-    ends = [joint.position or (-np.pi, np.pi) for joint in robot.joints]
-    low, high = np.clip(np.reshape(ends, (-1, 2)).T, -np.pi, np.pi)
-    return np.random.default_rng(0).uniform(low, high, (CONFIGURATIONS, low.size))
 
 
 def _refuse_identified(

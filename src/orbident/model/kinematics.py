@@ -17,13 +17,7 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.model.core_robot import core_robot, core_tree
 from orbident.robot.description import Robot
-from orbident.robot.parameters import (
-    FIRST_MOMENT,
-    INERTIA_ENTRIES,
-    MASS,
-    PER_BODY,
-    cross_matrix,
-)
+from orbident.robot.parameters import FIRST_MOMENT, INERTIA_ENTRIES, MASS, PER_BODY
 from orbident.threads import processors
 
 JointState = tuple[
@@ -56,25 +50,6 @@ class Poses(NamedTuple):
 def poses(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Poses:
     """Forward kinematics at the joint positions `q` (rad or m)."""
     return Poses(*_core.poses(core_tree(robot), q, processors()))
-
-
-def point_jacobian(
-    robot: Robot,
-    q: Float[np.ndarray, " joints"],
-    body: int,
-    p: Float[np.ndarray, "3"],
-) -> Float[np.ndarray, "6 3+joints"]:
-    """Velocity of a body-fixed point relative to S, over `[w, qd]`.
-
-    Joint positions `q` are in rad or m; the point `p` is in the body's frame, m. Rows:
-    linear velocity relative to S, then angular velocity, base axes.
-    """
-    at = poses(robot, q[None])
-    r = at.arm(body, p)[0]
-    carries = carrying_joints(robot, body)[:, None]
-    linear = carries * (at.field_u[0] + np.cross(at.field_w[0], r))
-    angular = carries * at.field_w[0]
-    return np.block([[-cross_matrix(r), linear.T], [np.eye(3), angular.T]])
 
 
 def carrying_joints(robot: Robot, body: int) -> Float[np.ndarray, " joints"]:

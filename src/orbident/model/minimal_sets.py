@@ -323,10 +323,6 @@ def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:
     No motion shows anything of it, so that it is taken as declared. It has no momentum
     in the geometry that is declared. With joints elsewhere it has, by the product of
     its own size and the change of geometry.
-
-    Args:
-        robot: with its nominal bodies.
-        sets: its minimal sets.
     """
     bodies = _flat(robot) if robot.motion == "planar" else robot.theta
     beta = sets.beta(robot.theta)

@@ -263,11 +263,8 @@ class Dynamics:
     def _equations(
         self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
     ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
-        if q.ndim == 1:
-            H, c = self._equations(q[None], v[None])
-            return H[0], c[0]
-        H, c, _ = equations_of_motion(self.robot, q, v)
-        return H, c
+        H, c, _ = equations_of_motion(self.robot, *map(np.atleast_2d, (q, v)))
+        return H.reshape(*v.shape, v.shape[-1]), c.reshape(v.shape)
 
     def _sized(
         self, values: Any, what: str, size: int, states: bool = True
@@ -307,16 +304,14 @@ class Dynamics:
     def _std(
         self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
     ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
-        if q.ndim == 1:
-            H_std, c_std = self._std(q[None], v[None])
-            return H_std[0], c_std[0]
         theta_of = minimal_sets(self.robot).base.theta_of
         directions = (theta_of @ self.root).T.reshape(-1, *self.robot.theta.shape)
-        H_std, c_std = deviations(self.robot, directions, q, v)
+        states = map(np.atleast_2d, (q, v))
+        H_std, c_std = deviations(self.robot, directions, *states)
         _, armature, tolerance = rotors_of(self.robot)
         own = np.arange(6, 6 + self._joints)
         H_std[:, own, own] = np.hypot(H_std[:, own, own], tolerance * armature)
-        return H_std, c_std
+        return H_std.reshape(*v.shape, v.shape[-1]), c_std.reshape(v.shape)
 
     def _shown(self, entries: Any, rows: int) -> Any:
         """The entries, with NaN for what a planar motion does not determine."""

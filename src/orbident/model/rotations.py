@@ -55,24 +55,12 @@ def quaternion_rate(
     return 0.5 * np.concatenate([vector, scalar], axis=-1)
 
 
-def small_rotation(
-    x_WA: Float[np.ndarray, "*n 4"], x_WB: Float[np.ndarray, "*n 4"]
-) -> Float[np.ndarray, "*n 3"]:
-    """The rotation vector from A to B, A's axes, rad; of a large angle `2 sin(a/2)`."""
-    a, b = x_WA, x_WB
-    # conj(a) b
-    vector = a[..., 3:] * b[..., :3] - b[..., 3:] * a[..., :3]
-    vector = vector - np.cross(a[..., :3], b[..., :3])
-    scalar = np.sum(a * b, axis=-1, keepdims=True)
-    return 2 * np.where(scalar < 0, -vector, vector)
-
-
 def rotation_angle(
-    x_WA: Float[np.ndarray, "*n 4"], x_WB: Float[np.ndarray, "*n 4"]
+    x_WA: Float[np.ndarray, "*#n 4"], x_WB: Float[np.ndarray, "*#n 4"]
 ) -> Float[np.ndarray, "*n"]:
     """The angle between two attitudes, rad; accurate down to rounding."""
     a = x_WA / np.linalg.norm(x_WA, axis=-1, keepdims=True)
     b = x_WB / np.linalg.norm(x_WB, axis=-1, keepdims=True)
-    # sin and cos of half the angle are the two parts of conj(a) b.
-    sine = np.linalg.norm(small_rotation(a, b), axis=-1) / 2
-    return 2 * np.arctan2(sine, np.abs(np.sum(a * b, axis=-1)))
+    # The lengths are 2 sin and 2 cos of a quarter of it; of a and -a the nearer counts.
+    apart = np.linalg.norm([a - b, a + b], axis=-1)
+    return 4 * np.arctan2(apart.min(axis=0), apart.max(axis=0))

@@ -14,7 +14,6 @@ left out.
 """
 
 from datetime import UTC, datetime
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -117,7 +116,15 @@ def reference_field(epoch: datetime, t: Float[np.ndarray, " n"], r: Vectors) -> 
     with extra("orbit", "the magnetic field of a date"):
         import ppigrf.ppigrf as igrf
     date = epoch.astimezone(UTC).replace(tzinfo=None)
-    _check_date(igrf, date)
+    known = igrf.read_shc()[0].index
+    first, last = known[0].to_pydatetime(), known[-1].to_pydatetime()
+    # Of another date it would be extrapolated.
+    if not first <= date <= last:
+        raise InputError(
+            f"orbit: epoch {date:%Y-%m-%d}: the model of the magnetic field (IGRF) "
+            f"knows {first:%Y} to {last:%Y}; give columns field.x .y .z, correct the "
+            "epoch, or update ppigrf"
+        )
     R = np.linalg.norm(r, axis=1)
     south = np.arccos(np.clip(r[:, 2] / R, -1, 1))
     east = np.arctan2(r[:, 1], r[:, 0])
@@ -128,15 +135,3 @@ def reference_field(epoch: datetime, t: Float[np.ndarray, " n"], r: Vectors) -> 
     up = r / R[:, None]
     to_east = np.stack([-np.sin(east), np.cos(east), np.zeros_like(east)], axis=1)
     return B_up * up + B_south * np.cross(to_east, up) + B_east * to_east
-
-
-def _check_date(igrf: Any, date: datetime) -> None:
-    """Refuse a date that the model does not know: it would be extrapolated."""
-    known = igrf.read_shc()[0].index
-    first, last = known[0].to_pydatetime(), known[-1].to_pydatetime()
-    if not first <= date <= last:
-        raise InputError(
-            f"orbit: epoch {date:%Y-%m-%d}: the model of the magnetic field (IGRF) "
-            f"knows {first:%Y} to {last:%Y}; give columns field.x .y .z, correct the "
-            "epoch, or update ppigrf"
-        )

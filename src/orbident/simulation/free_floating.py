@@ -55,29 +55,21 @@ def step_nodes(t: Float[np.ndarray, " n"], substeps: int) -> Float[np.ndarray, "
     return np.append(inner.ravel(), t[-1])
 
 
-class AttitudeHistory(NamedTuple):
-    """The attitude at the samples, and how good it is."""
-
-    x_WB: Float[np.ndarray, "n 4"]
-    law: RateLaw
-    """The law of the base rate at the samples."""
-    error: float
-    """Estimate of the largest error, rad."""
-    substeps: int
-    """RK4 steps from one sample to the next."""
-
-
 def float_attitude(
     law_at: Callable[[Float[np.ndarray, " nodes"]], RateLaw],
     t: Float[np.ndarray, " n"],
     h_cm: Float[np.ndarray, "3"],
     x_WB: Float[np.ndarray, "4"],
     tolerance: float,
-) -> AttitudeHistory:
+) -> tuple[Float[np.ndarray, "n 4"], RateLaw, float, int]:
     """Integrate with steps that are halved until the error is below `tolerance`.
 
     The law may be had at any times. Sample times are in s; `h_cm` is about the system
     CM, inertial axes, N m s; `x_WB` is at the first sample, and the tolerance in rad.
+
+    Returns:
+        Attitude and law of the base rate at the samples; an estimate of the largest
+        error, rad; and RK4 steps from one sample to the next.
 
     Raises:
         InputError: the base turns too fast for these sample times.
@@ -91,7 +83,7 @@ def float_attitude(
         error = apart / 15
         if error <= tolerance:
             at_samples = RateLaw(*(part[:: 2 * substeps] for part in law))
-            return AttitudeHistory(x, at_samples, error, substeps)
+            return x, at_samples, error, substeps
         if substeps == MOST_SUBSTEPS:
             raise InputError(
                 f"the base turns too fast for samples up to {np.diff(t).max():g} s "

@@ -84,7 +84,11 @@ def free_flying(
     pulses = (*pulses, *true_pulses(environment))
     if not isinstance(joints, Driven):
         require_measured(robot, "control of joints")
-    _check_flight(robot, t, start, pulses)
+    if robot.motion == "planar":
+        check_plane(start.base)
+    check_regular(robot)
+    _check_wheels(robot)
+    check_pulses(robot, pulses, float(t[0]), float(t[-1]))
     outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
     edges += [edge for edge in outside.edges if t[0] < edge < t[-1]]
@@ -125,25 +129,6 @@ def free_flying(
 
 ROUNDING = 1e-12
 """Relative; a base that is all wheels has inertia zero but for this."""
-
-
-def _check_flight(
-    robot: Robot,
-    t: Float[np.ndarray, " n"],
-    start: FlyingState,
-    pulses: Sequence[Pulse],
-) -> None:
-    """Refuse what cannot be integrated.
-
-    Raises:
-        InputError: a planar robot starts out of its plane, the mass matrix is singular,
-            the wheels are heavier than the base, or a pulse cannot be flown.
-    """
-    if robot.motion == "planar":
-        check_plane(start.base)
-    check_regular(robot)
-    _check_wheels(robot)
-    check_pulses(robot, pulses, float(t[0]), float(t[-1]))
 
 
 def _check_wheels(robot: Robot) -> None:

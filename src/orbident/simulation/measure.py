@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.interpolate import CubicHermiteSpline
 
 from orbident.errors import InputError
 from orbident.model.core_robot import friction_torques, wheels_of
-from orbident.model.equations_of_motion import motion_with, movable
+from orbident.model.equations_of_motion import Motion, motion_with, movable
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -32,27 +33,15 @@ from orbident.simulation.sensor import (
 )
 
 
-class Accelerations(NamedTuple):
-    """Accelerations of the base and the wheels at the samples of a motion."""
-
-    w_dot: Float[np.ndarray, "n 3"]
-    """Derivative of the base rate, base axes, rad/s^2."""
-    qdd_rw: Float[np.ndarray, "n wheels"]
-    """Accelerations of the wheels relative to the base, rad/s^2."""
-    f_S: Float[np.ndarray, "n 3"]
-    """Specific force at S, `R_0^T dv_S/dt`, base axes, m/s^2: no gravity is felt."""
-    tau: Float[np.ndarray, "n joints"]
-    """Torques that the joints need, N m or N."""
-
-
 def accelerations(
     robot: Robot, motion: FreeFloating, qdd: Float[np.ndarray, "n joints"]
-) -> Accelerations:
+) -> Motion:
     """Solve the equations of motion (Eq. 13), where no force acts on the whole.
 
     Known are the joints' accelerations and those of held wheels, which are zero; no
     motor drives the free ones. The CM's constant velocity is seen by no sensor here.
-    Those of the joints, `qdd`, are at the samples, rad/s^2 or m/s^2.
+    Those of the joints, `qdd`, are at the samples, rad/s^2 or m/s^2. The specific force
+    at S is `R_0^T dv_S/dt`: no gravity is felt.
     """
     n, joints = motion.q.shape
     of_base, still = np.zeros((n, 3)), np.zeros_like(motion.qd_rw)
@@ -60,13 +49,7 @@ def accelerations(
     known = np.hstack([of_base, of_base, qdd, still])
     free = movable(robot)
     free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
-    found = motion_with(robot, motion.q, v, known, free)
-    return Accelerations(
-        w_dot=found.v_dot[:, 3:6],
-        qdd_rw=found.v_dot[:, 6 + joints :],
-        f_S=found.f_S,
-        tau=found.Q[:, 6 : 6 + joints],
-    )
+    return motion_with(robot, motion.q, v, known, free)
 
 
 Columns = dict[str, Float[np.ndarray, " rows"]]
@@ -118,8 +101,10 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
 
     The joints' trajectory is in the robot's order.
     """
-    at = accelerations(robot, motion, trajectory.at(motion.t)[2])
-    return _truth(motion, _integrated(motion.t, motion.qd_rw, at.qdd_rw), at)
+    v_dot, f_S, Q = accelerations(robot, motion, trajectory.at(motion.t)[2])
+    wheels = 6 + len(robot.joints)
+    speeds = CubicHermiteSpline(motion.t, motion.qd_rw, v_dot[:, wheels:])
+    return _truth(motion, speeds.antiderivative()(motion.t), f_S, Q[:, 6:wheels])
 
 
 def truth_of_flight(flight: FreeFlying) -> Truth:
@@ -127,13 +112,14 @@ def truth_of_flight(flight: FreeFlying) -> Truth:
 
     Wheels turn on from wherever they were; their angles count from here.
     """
-    return _truth(flight, flight.q_rw - flight.q_rw[0], flight)
+    return _truth(flight, flight.q_rw - flight.q_rw[0], flight.f_S, flight.tau)
 
 
 def _truth(
     motion: FreeFloating | FreeFlying,
     q_rw: Float[np.ndarray, "rows wheels"],
-    at: Accelerations | FreeFlying,
+    f_S: Float[np.ndarray, "rows 3"],
+    tau: Float[np.ndarray, "rows joints"],
 ) -> Truth:
     return Truth(
         q=motion.q,
@@ -141,24 +127,12 @@ def _truth(
         q_rw=q_rw,
         qd_rw=motion.qd_rw,
         gyro=motion.w,
-        accelerometer=at.f_S,
+        accelerometer=f_S,
         attitude=motion.attitude,
         position=motion.r_S,
         velocity=motion.v_S,
-        tau=at.tau,
+        tau=tau,
     )
-
-
-def _integrated(
-    t: Float[np.ndarray, " n"],
-    speed: Float[np.ndarray, "n axes"],
-    acceleration: Float[np.ndarray, "n axes"],
-) -> Float[np.ndarray, "n axes"]:
-    """Integral from zero by the trapezoidal rule with end corrections: fourth order."""
-    h = np.diff(t)[:, None]
-    steps = h / 2 * (speed[1:] + speed[:-1])
-    steps -= h**2 / 12 * np.diff(acceleration, axis=0)
-    return np.concatenate([np.zeros_like(speed[:1]), np.cumsum(steps, axis=0)])
 
 
 def measure_truth(

@@ -23,7 +23,6 @@ from orbident.model.rotations import quaternion_matrix, quaternion_rate, rotate_
 from orbident.robot.sensor_schema import (
     AccelerometerSpec,
     AttitudeSpec,
-    Coloured,
     InertialSpec,
     PositionSpec,
     Sampled,
@@ -47,52 +46,26 @@ def stream(seed: int, name: str) -> np.random.Generator:
     return np.random.default_rng(children)
 
 
-def gaussian(
-    random: np.random.Generator, shape: tuple[int, int], std: float
-) -> Float[np.ndarray, "n axes"]:
-    """Independent samples `N(0, std^2)`, in the unit of `std`."""
-    return std * random.standard_normal(shape)
-
-
-def bias_drift(
-    random: np.random.Generator,
-    shape: tuple[int, int],
-    std: float,
-    correlation_time: float,
-    dt: float,
-) -> Float[np.ndarray, "n axes"]:
-    """How a bias wanders from its value at turn-on: a first-order Gauss-Markov process.
-
-    `b_k = exp(-dt/T) b_{k-1} + s sqrt(1 - exp(-2 dt/T)) n_k`, `b_0 = 0` (IEEE 952,
-    C.1.5). The Allan deviation peaks at `0.617 s`, at the averaging time 1.89 T. For
-    shorter times it rises as `sqrt(tau)`. Its shape is samples by axes, its unit that
-    of `std`, rad/s or m/s^2, and it is zero at the first sample. Samples are `dt`
-    apart, s; the correlation time, s, is infinite for a bias that stays.
-    """
-    # expm1: T may be long, and infinite.
-    kick = std * np.sqrt(-np.expm1(-2 * dt / correlation_time))
-    kicks = gaussian(random, shape, float(kick))
-    kicks[:1] = 0.0
-    # Late: the import takes half a second.
-    from scipy.signal import lfilter
-
-    return np.asarray(lfilter([1.0], [1.0, -np.exp(-dt / correlation_time)], kicks, 0))
-
-
 def markov(
     random: np.random.Generator,
     t: Float[np.ndarray, " n"],
     std: Float[np.ndarray, " axes"],
     correlation_time: Float[np.ndarray, " axes"],
+    from_zero: bool = False,
 ) -> Float[np.ndarray, "n axes"]:
-    """A stationary first-order Gauss-Markov process, at any increasing times.
+    """A first-order Gauss-Markov process, at any increasing times (IEEE 952, C.1.5).
 
     `x_0 ~ N(0, s^2)`, `x_k = a_k x_{k-1} + s sqrt(1 - a_k^2) n_k` with
     `a_k = exp(-(t_k - t_{k-1}) / T)`: exact, however far apart the samples are. Each
-    axis has its own `s`, in the unit of the result, and `T`, in seconds as `t` is.
+    axis has its own `s`, in the unit of the result, and `T`, in seconds as `t` is,
+    which is infinite for what stays. The process is stationary, or `x_0 = 0`. Its Allan
+    deviation peaks at `0.617 s`, at the averaging time 1.89 T, and rises as `sqrt(tau)`
+    for shorter times.
     """
     steps = np.diff(t)[:, None] / correlation_time
-    kicks = gaussian(random, (t.size, std.size), 1.0) * std
+    kicks = random.normal(scale=std, size=(t.size, std.size))
+    kicks[:1] *= not from_zero
+    # expm1: T may be long, and infinite.
     kicks[1:] *= np.sqrt(-np.expm1(-2 * steps))
     # The recursion as equations with one diagonal below the main one.
     bands = np.ones((2, t.size))
@@ -112,22 +85,7 @@ def random_walk(
     Times are in s, and q, by axis, is in its unit per square root of a second.
     """
     steps = np.sqrt(np.diff(t, prepend=t[:1]))[:, None] * density
-    return np.cumsum(steps * gaussian(random, steps.shape, 1.0), axis=0)
-
-
-def coloured(
-    random: np.random.Generator, t: Float[np.ndarray, " n"], noise: Coloured
-) -> Float[np.ndarray, "n 3"]:
-    """The parts of a tracker's noise that are not white, from streams of their own."""
-    lasting, walking = random.spawn(2)
-    return markov(lasting, t, noise.markov_std, noise.correlation_time) + random_walk(
-        walking, t, noise.random_walk
-    )
-
-
-def quantised(x: Float[np.ndarray, "*n"], step: float) -> Float[np.ndarray, "*n"]:
-    """The nearest multiple of `step` (same unit); unchanged where `step` is zero."""
-    return step * np.round(x / step) if step else x
+    return np.cumsum(random.normal(scale=steps), axis=0)
 
 
 _ROUNDING = 1e-6
@@ -213,13 +171,14 @@ def read_inertial(
     white, turn_on, drift = random.spawn(3)
     start = sensor.turn_on_bias
     start = sensor.bias_instability if start is None else start
-    bias = gaussian(turn_on, (1, 3), start) + np.array(sensor.constant_bias or NONE)
+    bias = turn_on.normal(scale=start, size=(1, 3)) + (sensor.constant_bias or NONE)
+    std, lasts = np.full((2, 3), [[sensor.drift_std], [sensor.drift_time]])
     R_BS = Rotation.from_rotvec(sensor.misalignment or NONE).as_matrix()
     return (
         (1 + np.array(sensor.scale or NONE)) * (true @ R_BS)
         + bias
-        + bias_drift(drift, true.shape, sensor.drift_std, sensor.drift_time, dt)
-        + gaussian(white, true.shape, sensor.white_std(dt))
+        + markov(drift, dt * np.arange(len(true)), std, lasts, from_zero=True)
+        + white.normal(scale=sensor.white_std(dt), size=true.shape)
     )
 
 
@@ -229,26 +188,16 @@ def read_increments(
     dt: float,
     random: np.random.Generator,
 ) -> Float[np.ndarray, "n 3"]:
-    """Velocity increments since the sample before, m/s; NaN for the first.
-
-    The true values, `dt` seconds apart, are attitude (quaternion) and velocity of S,
-    inertial axes, m/s.
-    """
-    mean_force = velocity_increments(true[:, :4], true[:, 4:]) / dt
-    return dt * read_inertial(sensor, mean_force, dt, random)
-
-
-def velocity_increments(
-    x_WB: Float[np.ndarray, "n 4"], v_S: Float[np.ndarray, "n 3"]
-) -> Float[np.ndarray, "n 3"]:
     """What S's velocity changed by since the sample before, in the base axes of then.
 
-    `R_0(t_{k-1}) dv_k = v_S(t_k) - v_S(t_{k-1})`, exactly: the increments of a unit
-    that corrects for its own turning in between (sculling), m/s. It is NaN for the
-    first sample, which has none before it. The velocity of S is in inertial axes, m/s.
+    `R_0(t_{k-1}) dv_k = v_S(t_k) - v_S(t_{k-1})`, exactly but for errors and noise: the
+    increments of a unit that corrects for its own turning in between (sculling), m/s.
+    It is NaN for the first sample, which has none before it. The true values, `dt`
+    seconds apart, are attitude (quaternion) and velocity of S, inertial axes, m/s.
     """
-    change = rotate_back(quaternion_matrix(x_WB[:-1]), np.diff(v_S, axis=0))
-    return np.concatenate([np.full((1, 3), np.nan), change])
+    R_WB, dv = quaternion_matrix(true[:-1, :4]), np.diff(true[:, 4:], axis=0)
+    change = np.concatenate([np.full((1, 3), np.nan), rotate_back(R_WB, dv)])
+    return dt * read_inertial(sensor, change / dt, dt, random)
 
 
 def read_scalars(
@@ -265,7 +214,8 @@ def read_scalars(
     The paper has none of these two (Section 3.5).
     """
     del dt
-    return quantised(true + gaussian(random, true.shape, std), resolution)
+    shown = true + random.normal(scale=std, size=true.shape)
+    return resolution * np.round(shown / resolution) if resolution else shown
 
 
 def read_attitude(
@@ -300,7 +250,9 @@ def _noise(
     sensor: TrackerSpec, n: int, dt: float, random: np.random.Generator
 ) -> Float[np.ndarray, "n 3"]:
     """The errors of samples `dt` apart, white and coloured."""
-    white = gaussian(random, (n, 3), sensor.white_std(dt))
-    if sensor.coloured.absent:
+    white, of = random.normal(scale=sensor.white_std(dt), size=(n, 3)), sensor.coloured
+    if of.absent:
         return white
-    return white + coloured(random, dt * np.arange(n), sensor.coloured)
+    t, (lasting, walking) = dt * np.arange(n), random.spawn(2)
+    slow = markov(lasting, t, of.markov_std, of.correlation_time)
+    return white + slow + random_walk(walking, t, of.random_walk)

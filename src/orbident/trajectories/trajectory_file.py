@@ -154,7 +154,6 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> Non
         InputError: The folder does not exist or cannot be written to.
     """
     names = ("position", "velocity", "acceleration")
-    initial = trajectory.initial
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "duration": float(trajectory.duration),
@@ -167,12 +166,7 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> Non
             }
             for k, joint in enumerate(trajectory.joints)
         },
-        "initial": {
-            "angular_velocity": initial.angular_velocity,
-            "attitude": initial.attitude,
-            "velocity": initial.velocity,
-            "wheel_speed": initial.wheel_speed,
-        },
+        "initial": vars(trajectory.initial),
     }
     if trajectory.environment is not None:
         document["environment"] = trajectory.environment.model_dump(

@@ -62,7 +62,7 @@ def test_a_lacking_column_is_named(lines):
     rows, unreadable = reader.take(lines(columns)[:2])
     assert (len(rows), unreadable) == (0, 2)
     assert "no column 'joint.joint2.velocity'" in reader.lacking
-    assert len(reader.take(csv_lines(samples())[:5]).samples) == 4
+    assert len(reader.take(csv_lines(samples())[:5])[0]) == 4
 
 
 def test_a_second_header_that_lacks_columns_changes_nothing():

@@ -18,7 +18,7 @@ EVERY = 5.0
 
 
 def table(captured_at: float | None = None) -> np.ndarray:
-    return Lines(robot(), "stream").take(csv_lines(samples(captured_at))).samples
+    return Lines(robot(), "stream").take(csv_lines(samples(captured_at)))[0]
 
 
 def fresh() -> LiveFilter:

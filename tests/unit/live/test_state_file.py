@@ -17,7 +17,7 @@ from orbident.live.sources import Lines
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     filter_ = LiveFilter(robot(), VELOCITY_STD, 1.0, nothing_carried(robot()))
-    filter_.take(Lines(robot(), "stream").take(csv_lines(samples())[:100]).samples)
+    filter_.take(Lines(robot(), "stream").take(csv_lines(samples())[:100])[0])
     path = tmp_path_factory.mktemp("state") / "state"
     save_state(path, filter_.carried)
     return path.read_bytes()

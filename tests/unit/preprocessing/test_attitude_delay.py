@@ -6,7 +6,6 @@ from scipy.spatial.transform import Rotation
 
 from orbident.preprocessing.delays import attitude_delay
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.sensor import gaussian
 from orbident.simulation.simulate import simulate
 
 ROBOT = load_robot("paper-spatial")
@@ -42,7 +41,7 @@ def test_with_noise_it_is_as_sure_as_it_says(gyro):
     errors = []
     for seed in range(20):
         random = np.random.default_rng(100 + seed)
-        w = W + BIAS + gaussian(random, W.shape, gyro / np.sqrt(0.02))
+        w = W + BIAS + random.normal(0.0, gyro / np.sqrt(0.02), W.shape)
         found = attitude_delay(T, w, late_fixes(0.037, 1e-4, 5, seed))
         assert found is not None
         assert found.believed == (abs(found.late) > 5 * found.std)

@@ -12,7 +12,6 @@ from orbident.preprocessing.integrals import (
     integrate_gyro,
 )
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.sensor import gaussian
 from orbident.simulation.simulate import simulate
 
 START = np.array([0.2, 0.1, 0.3, 0.93]) / np.linalg.norm([0.2, 0.1, 0.3, 0.93])
@@ -98,7 +97,7 @@ def test_too_few_gyro_samples_are_refused():
 
 def measured(seed, every=10, bias=BIAS):
     random = np.random.default_rng(seed)
-    w = W + bias + gaussian(random, W.shape, N / np.sqrt(0.05))
+    w = W + bias + random.normal(0.0, N / np.sqrt(0.05), W.shape)
     fixes = np.full(X.shape, np.nan)
     noise = Rotation.from_rotvec(STD * random.standard_normal((T.size, 3)))
     fixes[::every] = (noise * Rotation.from_quat(X)).as_quat()[::every]

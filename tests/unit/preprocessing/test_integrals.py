@@ -8,7 +8,8 @@ from orbident.preprocessing.integrals import (
     velocity_from_accelerometer,
     velocity_from_increments,
 )
-from orbident.simulation.sensor import velocity_increments
+from orbident.robot.sensor_schema import AccelerometerSpec
+from orbident.simulation.sensor import read_increments
 
 T = np.linspace(0.0, 20.0, 401)
 RATE = np.array([0.02, -0.05, 0.1])
@@ -17,6 +18,12 @@ X_WB = R_WB.as_quat()
 V = np.column_stack([np.sin(T), np.cos(0.7 * T), 0.1 * T])
 A = np.column_stack([np.cos(T), -0.7 * np.sin(0.7 * T), np.full(T.size, 0.1)])
 F = R_WB.inv().apply(A)
+
+
+def increments():
+    """Those of a sensor without errors."""
+    exact, random = AccelerometerSpec(increments=True), np.random.default_rng(0)
+    return read_increments(exact, np.hstack([X_WB, V]), 0.05, random)
 
 
 def test_felt_force_gives_the_velocity_back():
@@ -43,12 +50,12 @@ def test_forces_missing_at_the_ends_are_those_beside_them():
 
 
 def test_increments_are_exact():
-    dv = velocity_increments(X_WB, V)
+    dv = increments()
     np.testing.assert_allclose(velocity_from_increments(X_WB, dv), V - V[0], atol=1e-13)
 
 
 def test_after_a_missing_increment_nothing_is_known():
-    dv = velocity_increments(X_WB, V)
+    dv = increments()
     dv[200] = np.nan
     found = velocity_from_increments(X_WB, dv)
     assert np.isfinite(found[:200]).all()

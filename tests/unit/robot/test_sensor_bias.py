@@ -8,7 +8,7 @@ from clean_recordings import clean_space
 from orbident.estimation.recursive.filter_input import noise_of
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.sensor_schema import GyroSpec
-from orbident.simulation.sensor import bias_drift
+from orbident.simulation.sensor import markov
 
 B, T = 1e-5, 100.0
 SECTION = {"angle_random_walk": 1e-6, "bias_instability": B, "correlation_time": T}
@@ -17,7 +17,8 @@ GYRO = GyroSpec.model_validate(SECTION)
 
 def test_the_walk_is_that_of_the_simulated_bias():
     """Increments over a second, of a process of which it is a model."""
-    bias = bias_drift(np.random.default_rng(0), (400_000, 1), GYRO.drift_std, T, 0.01)
+    t, std = 0.01 * np.arange(400_000), np.array([GYRO.drift_std])
+    bias = markov(np.random.default_rng(0), t, std, np.array([T]), from_zero=True)
     steps = np.diff(bias[::100], axis=0)
     assert steps.std() == pytest.approx(GYRO.bias_walk, rel=0.03)
 

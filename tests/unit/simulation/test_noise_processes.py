@@ -3,7 +3,7 @@ import pytest
 from allan import allan_deviation
 
 from orbident.robot.sensor_schema import FLICKER_FLOOR, MARKOV_PEAK, GyroSpec
-from orbident.simulation.sensor import bias_drift, gaussian, quantised
+from orbident.simulation.sensor import markov, read_scalars
 
 N = 3e-6
 B = 1.5e-6
@@ -16,9 +16,21 @@ def random(seed=0):
     return np.random.default_rng(seed)
 
 
+def bias_drift(random, shape, std, correlation_time, dt):
+    """How a bias drifts from its value at turn-on, on so many axes."""
+    n, axes = shape
+    each = (np.full(axes, value) for value in (std, correlation_time))
+    return markov(random, dt * np.arange(n), *each, from_zero=True)
+
+
+def quantised(x, step):
+    """What an encoder without noise shows."""
+    return read_scalars(0.0, step, x, 1.0, random())
+
+
 @pytest.mark.parametrize("rate", [20.0, 100.0, 2000.0])
 def test_white_noise_of_rate_samples_grows_with_the_rate(rate):
-    noise = gaussian(random(), SHAPE, GYRO.white_std(1 / rate))
+    noise = random().normal(0.0, GYRO.white_std(1 / rate), SHAPE)
     # 8e5 samples: their std is known to 0.08 %; five times that.
     assert noise.std() == pytest.approx(N * np.sqrt(rate), rel=4e-3)
     assert abs(noise.mean()) < 5 * N * np.sqrt(rate) / np.sqrt(noise.size)
@@ -26,7 +38,7 @@ def test_white_noise_of_rate_samples_grows_with_the_rate(rate):
 
 def test_white_noise_integrates_to_a_random_walk():
     dt, seconds = 0.05, 50.0
-    noise = gaussian(random(), (1000, 4000), GYRO.white_std(dt))
+    noise = random().normal(0.0, GYRO.white_std(dt), (1000, 4000))
     walk = dt * noise.sum(axis=0)
     # 4000 walks: 1.1 % of their std.
     assert walk.std() == pytest.approx(N * np.sqrt(seconds), rel=0.05)
@@ -34,7 +46,7 @@ def test_white_noise_integrates_to_a_random_walk():
 
 def test_allan_deviation_of_white_noise_is_the_coefficient_over_root_tau():
     dt, means = 0.01, [1, 4, 16, 64, 256]
-    noise = gaussian(random(1), SHAPE, GYRO.white_std(dt))
+    noise = random(1).normal(0.0, GYRO.white_std(dt), SHAPE)
     expected = N / np.sqrt(dt * np.array(means))
     # The longest mean has 390 independent ones an axis, 3100 in all: 1.3 %, three
     # times that; the shorter ones are better known.
@@ -43,7 +55,7 @@ def test_allan_deviation_of_white_noise_is_the_coefficient_over_root_tau():
 
 def test_spectrum_of_white_noise_is_flat_at_the_coefficient_squared():
     dt = 0.01
-    noise = gaussian(random(2), (2**16, 8), GYRO.white_std(dt))
+    noise = random(2).normal(0.0, GYRO.white_std(dt), (2**16, 8))
     spectrum = dt / len(noise) * np.abs(np.fft.rfft(noise, axis=0)) ** 2
     # By octave from 0.1 Hz: 500 or more exponential variates each, 4.5 % at most.
     f = np.fft.rfftfreq(len(noise), dt)
@@ -114,7 +126,7 @@ def test_a_bias_of_infinite_correlation_time_stays():
 
 @pytest.mark.parametrize("axes", [1, 3, 7])
 def test_axes_are_independent(axes):
-    noise = gaussian(random(8), (50_000, axes), 2.0)
+    noise = random(8).normal(0.0, 2.0, (50_000, axes))
     covariance = noise.T @ noise / len(noise)
     # Off the diagonal std 4 / sqrt(50 000) = 0.018, on it sqrt(2) times that.
     np.testing.assert_allclose(covariance, 4 * np.eye(axes), atol=0.11)
@@ -130,10 +142,10 @@ def test_quantisation_error_is_at_most_half_a_step_and_uniform():
     assert np.abs(error).max() <= step / 2 * (1 + 1e-9)
     # Uniform: step / sqrt(12), known from 1e5 samples to 0.2 %.
     assert error.std() == pytest.approx(step / np.sqrt(12), rel=0.01)
-    assert quantised(x, 0.0) is x
+    np.testing.assert_array_equal(quantised(x, 0.0), x)
 
 
 def test_quantisation_leaves_missing_samples_missing():
     np.testing.assert_array_equal(
-        quantised(np.array([np.nan, 0.6]), 0.5), [np.nan, 0.5]
+        quantised(np.array([[np.nan, 0.6]]), 0.5), [[np.nan, 0.5]]
     )
