@@ -79,7 +79,8 @@ class CorrectedConvention(NamedTuple):
         """This one, and in words the first of others that looks the same."""
         for one in others:
             other = one.convention.cause != self.convention.cause
-            if other and math.isclose(one.falls, self.falls, rel_tol=SAME):
+            alike = math.isclose(one.falls, self.falls, rel_tol=SAME)
+            if other and alike and one.as_cad == self.as_cad:
                 cause = f"{self.convention.cause}, or {one.convention.cause}"
                 return self._replace(convention=replace(self.convention, cause=cause))
         return self

@@ -246,7 +246,7 @@ def _walked(left: Float[np.ndarray, "m 3"], shares: Float[np.ndarray, "m 3"]) ->
     steps = np.diff(left, axis=0, prepend=0)
 
     def size(a: float) -> float:
-        return float(np.sum(lfilter([1.0], [1.0, -a], steps, axis=0) ** 2))
+        return float(np.sum(np.asarray(lfilter([1.0], [1.0, -a], steps, axis=0)) ** 2))
 
     a = min(1.0, float(np.array(fminbound(size, 0.0, 1.0))), key=size)
     later = np.cumsum(shares[::-1], axis=0)
