@@ -3,11 +3,12 @@
 One that is not in the middle of its axis is off by `a sin(q) + b cos(q)`, and one
 behind a gear by the same of `2 pi k q`, with `k` periods in a radian. On the motor of a
 joint that gives way it shows `q_m = q + c tau / I`, with the torque that the motion
-takes by CAD and the inertia that the joint carries, and on that of one whose gear has
-play `q_m = q + c sign(qd)`.
+takes and the inertia that the joint carries, as fitted, and on that of one whose gear
+has play `q_m = q + c sign(qd)`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -45,7 +46,7 @@ PADDED = 4
 """Times the length of a spectrum: a line between two of its frequencies is seen."""
 
 
-def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
+def joint_errors(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]:
     """All joints at once: with time, over a turn, with the way, with the load."""
     names, t = problem.robot.joint_names, problem.samples.t
     if not names:
@@ -57,7 +58,9 @@ def joint_errors(problem: MomentumProblem) -> Iterator[Suspect]:
     inside = np.clip(problem.recording.t, *t[seen][[0, -1]])
     q = CubicSpline(t[seen], position[seen])(inside)
     rates = CubicSpline(t[seen], moved[seen])
-    bend = _bend(problem.robot, q, rates(inside), rates(inside, 1))
+    theta = problem.sets.theta(shown.parameters.base.values)
+    found = replace(problem.robot, theta=theta)
+    bend = _bend(found, q, rates(inside), rates(inside, 1))
     qd = rates(inside)[:, 3 : 3 + len(names)]
     slow = np.maximum(BETWEEN * np.std(qd, axis=0), SMALL)
     elapsed = (inside - inside[0]) / (inside[-1] - inside[0])
@@ -110,10 +113,10 @@ def _bend(
     rates: Float[np.ndarray, "n rates"],
     accelerations: Float[np.ndarray, "n rates"],
 ) -> Float[np.ndarray, "n joints"]:
-    """Torques at joints over the inertias that they carry, by CAD, rad/s^2 or m/s^2.
+    """Torques at joints over the inertias that they carry, rad/s^2 or m/s^2.
 
     Args:
-        robot: with its CAD.
+        robot: with what is known of its bodies.
         q: joint positions, rad or m.
         rates: of the base, joints and wheels.
         accelerations: of these; the base floats, and its own are not used.

@@ -81,7 +81,7 @@ def every_score(solved: Solved, before: float, far: bool) -> Iterator[Scored]:
         *steps(problem, shown),
         *drifts(problem),
         *vibrations(problem, shown),
-        *joint_errors(problem),
+        *joint_errors(problem, shown),
         *ripples(problem, shown),
         *fast_clocks(problem),
         *filters(problem),

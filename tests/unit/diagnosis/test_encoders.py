@@ -28,7 +28,7 @@ def test_joints_that_give_way():
         bent = soft * tau[:, k] / (carried_inertia(robot, k) @ robot.theta.ravel())
         recording = less(recording, f"joint.{name}", -bent[:, None])
     problem = with_recording(recording)
-    *_, suspect = joint_errors(problem)
+    *_, suspect = joint_errors(problem, fitted(problem))
     found = numbers(problem, suspect)
     # Differences over 0.1 s, and joints that smoothing has made a little slower.
     np.testing.assert_allclose(found, soft, rtol=0.3)
@@ -41,7 +41,7 @@ def test_an_encoder_that_drifts():
     elapsed = (recording.t - recording.t[0]) / (recording.t[-1] - recording.t[0])
     wrong = less(recording, "joint.joint2", -5e-3 * elapsed[:, None])
     problem = with_recording(wrong)
-    suspect, *_ = joint_errors(problem)
+    suspect, *_ = joint_errors(problem, fitted(problem))
     found = numbers(problem, suspect)
     np.testing.assert_allclose(found, [0.0, 5e-3, 0.0], atol=5e-4)
     assert "joint joint2: its position drifts" in suspect.words(found)
@@ -52,7 +52,7 @@ def test_an_encoder_off_the_centre_of_its_axis():
     q = recording.columns["joint.joint2.position"]
     wrong = less(recording, "joint.joint2", -5e-3 * np.sin(q)[:, None])
     problem = with_recording(wrong)
-    _, suspect, *_ = joint_errors(problem)
+    _, suspect, *_ = joint_errors(problem, fitted(problem))
     found = numbers(problem, suspect)
     np.testing.assert_allclose(found[2:4], [5e-3, 0.0], atol=5e-4)
     assert "the encoder of joint joint2 is off the centre" in suspect.words(found)
@@ -65,7 +65,7 @@ def test_a_gear_with_play():
     q = recording.columns["joint.joint2.position"]
     ahead = np.sign(np.gradient(q, recording.t))
     problem = with_recording(less(recording, "joint.joint2", -5e-4 * ahead[:, None]))
-    *_, suspect, _ = joint_errors(problem)
+    *_, suspect, _ = joint_errors(problem, fitted(problem))
     found = numbers(problem, suspect)
     np.testing.assert_allclose(found, [0.0, 5e-4, 0.0], atol=1.5e-4)
     assert "joint joint2 has a play of" in suspect.words(found)

@@ -263,7 +263,8 @@ def _best(
     """The family that explains most, freed; None where there is no hope.
 
     Where an instrument that is off, one number, is likelier than all numbers of a
-    family, nothing is freed: the checks of the residuals then say what is wrong.
+    family, or what explains most acts as nothing does, nothing is freed: the checks of
+    the residuals then say what is wrong.
     """
     problem = search.problem
     among = (*problem.expected, *problem.declared)
@@ -275,6 +276,8 @@ def _best(
     if not tried:
         return None
     least, family, freed, solution = min(tried, key=lambda each: each.worth)
+    if acts_backwards(problem, solution, family):
+        return None
     if family in problem.gains:
         # It is an instrument itself; more than one valve may stick.
         return family, freed, solution
@@ -290,8 +293,9 @@ def _best(
     solution = sized.freed(trial=solution.state)
     # Free it follows anything; as large as is most likely it may explain nothing.
     explains = cost - solution.cost > limit("disturbance", 1)
-    possible = explains and _possible(search, solution, family, cost)
-    return (family, sized, solution) if possible else None
+    possible = explains and _of_a_robot(search, solution, cost)
+    backwards = possible and acts_backwards(problem, solution, family)
+    return (family, sized, solution) if possible and not backwards else None
 
 
 class _Freed(NamedTuple):
@@ -322,17 +326,16 @@ def _freed(
         solution = freed.freed(trial=at)
         numbers = len(problem.unknowns([family]))
         chance = solution.cost + limit("disturbance", numbers) >= cost
-        if not chance and _possible(search, solution, family, cost):
+        if not chance and _of_a_robot(search, solution, cost):
             worth = integrated_out(cost, solution.cost, numbers)
             tried.append(_Freed(worth, family, freed, solution))
     return tried
 
 
-def _possible(search: Search, solution: Solution, family: str, cost: float) -> bool:
-    """Whether there is a least cost to compare, of a robot, and of what can act so."""
+def _of_a_robot(search: Search, solution: Solution, cost: float) -> bool:
+    """Whether there is a least cost to compare, and of a robot."""
     ended = solution.converged or solution.left < NOTHING * (cost - solution.cost)
-    no_robot = not ended or of_no_robot(*solution.mass, search.nominal.beta[0])
-    return not (no_robot or acts_backwards(search.problem, solution, family))
+    return ended and not of_no_robot(*solution.mass, search.nominal.beta[0])
 
 
 def _by_an_instrument(
