@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 64_866,
+    "lines": 64_690,
     "files of estimation": 50,
-    "lines of estimation": 12_622,
+    "lines of estimation": 12_621,
     "files with one user": 65,
     "imports below each other": 30,
     "numbers without a reason": 38,

@@ -160,17 +160,12 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
     if CLOCK not in alone or not np.isfinite(alone[CLOCK].std[0]):
         return None, False
     (late,), (std,), fall = alone[CLOCK]
-    most = max(each.fall for each in alone.values())
-    likeliest = WORTH < fall == most and FURTHER * fall > _more_than_noise(shown)
+    most, goodness = max(each.fall for each in alone.values()), shown.goodness
+    # What noise as it is declared does not explain, over that which was found.
+    known = goodness if goodness and goodness.declared else None
+    more = known.dof * (1 - 1 / known.per_dof) if known else 0.0
+    likeliest = WORTH < fall == most and FURTHER * fall > more
     return Delay(float(late), float(std), believed=False), likeliest
-
-
-def _more_than_noise(shown: Estimate) -> float:
-    """Chi-square that noise as it is declared does not explain, over that found."""
-    goodness = shown.goodness
-    if goodness is None or not goodness.declared:
-        return 0.0
-    return goodness.dof * (1 - 1 / goodness.per_dof)
 
 
 def _settled(

@@ -358,7 +358,14 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     if not problem.linear or estimate.goodness is not None:
         return
     mass = problem.linear_mass
-    if not len(mass.forms) or (mass.value > 0 and mass.spread < SPREAD):
+    if mass.value > 0 and mass.spread < SPREAD:
+        return
+    if not len(mass.forms):
+        reason = "mass: no form of Eq. 32 is determined"
+        remedy = (
+            "weigh the robot with a thruster burn (Eq. 40), or see what else is said"
+        )
+        yield Check("Eq. 32", "do not trust", reason, remedy)
         return
     yield Check(
         "Eq. 32",
