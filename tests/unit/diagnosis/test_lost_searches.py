@@ -15,7 +15,7 @@ from orbident.estimation.output_error import hypotheses
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
-STAGES = "noisier_sensors", "spikes", "missing_wheel", "clocks", "lasting_errors"
+STAGES = "noisier_sensors", "spikes", "missing_wheel", "lasting_errors"
 
 
 @pytest.fixture(scope="module")
