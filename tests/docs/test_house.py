@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 64_690,
+    "lines": 64_711,
     "files of estimation": 50,
     "lines of estimation": 12_621,
     "files with one user": 65,

@@ -1,12 +1,66 @@
 """Every mistake on every robot by every method, in several processes."""
 
-from collections.abc import Callable, Sequence
+import argparse
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
+from typing import TypeVar
 
 from mistake import Mistake
-from mistakes import MISTAKES, by_name
+from mistakes import MISTAKES, REAL_EFFECTS, by_name
 from scoring import Row, row
+
+Asked = tuple[str, str]
+"""A robot, and the name of a mistake."""
+
+Done = TypeVar("Done")
+
+
+def arguments(description: str | None) -> argparse.Namespace:
+    """Those of a command that makes the mistakes of a table, which is `of`."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--workers", type=int, default=2, help="processes at a time")
+    parser.add_argument("--out", type=Path, help="file for the table, Markdown")
+    parser.add_argument("names", nargs="*", help="mistakes; all by default")
+    parser.add_argument(
+        "--real-effects",
+        dest="of",
+        action="store_const",
+        const=REAL_EFFECTS,
+        default=MISTAKES,
+        help="what real ones do, in MuJoCo",
+    )
+    return parser.parse_args()
+
+
+def in_processes(
+    function: Callable[[Asked], Done],
+    workers: int,
+    names: Sequence[str] = (),
+    of: Sequence[Mistake] = MISTAKES,
+) -> Iterator[tuple[str, Asked, Done]]:
+    """What a function makes of every row of a table, in the table's order.
+
+    Args:
+        function: of the robot and the mistake's name.
+        workers: processes.
+        names: the mistakes' names, where not all.
+        of: the mistakes of the table.
+
+    Returns:
+        How many rows of all are done, the row, and what was made of it.
+    """
+    asked = [
+        (robot, mistake.name)
+        for mistake in of
+        if not names or mistake.name in names
+        for robot in mistake.robots
+    ]
+    # A fresh interpreter: threads of the core do not survive a fork.
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        for k, done in enumerate(pool.map(function, asked)):
+            yield f"{k + 1}/{len(asked)}", asked[k], done
 
 
 def all_rows(
@@ -15,7 +69,7 @@ def all_rows(
     progress: Callable[[str], object] = str,
     of: Sequence[Mistake] = MISTAKES,
 ) -> list[Row]:
-    """The rows of all mistakes, in the order of the table.
+    """The rows of all mistakes, in the order of the table; see `in_processes`.
 
     Args:
         workers: processes.
@@ -23,28 +77,14 @@ def all_rows(
         progress: is called with what is done.
         of: the mistakes of the table.
     """
-    asked = asked_of(names, of)
     rows = []
-    # A fresh interpreter: threads of the core do not survive a fork.
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for one in pool.map(_scores, asked):
-            robot, name = asked[len(rows)]
-            rows.append(Row(robot, by_name(name), one))
-            progress(f"{len(rows)}/{len(asked)} {robot}: {name}")
+    for done, (robot, name), scores in in_processes(_scores, workers, names, of):
+        rows.append(Row(robot, by_name(name), scores))
+        progress(f"{done} {robot}: {name}")
     return rows
 
 
-def asked_of(names: Sequence[str], of: Sequence[Mistake]) -> list[tuple[str, str]]:
-    """Robot and mistake of every row."""
-    return [
-        (robot, mistake.name)
-        for mistake in of
-        if not names or mistake.name in names
-        for robot in mistake.robots
-    ]
-
-
-def _scores(asked: tuple[str, str]) -> dict:
+def _scores(asked: Asked) -> dict:
     """Without the mistake: its functions cannot be sent to another process."""
     robot, name = asked
     return row(robot, by_name(name), causes=True).scores

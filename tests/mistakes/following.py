@@ -72,7 +72,7 @@ class Refusal:
 
 
 def corrected(refusal: Refusal) -> Iterator[Attempt]:
-    """By as much as the accepted trial found."""
+    """Put the cause right by as much as the accepted trial found."""
     estimate, sets = refusal.trial.estimate, oi.minimal_sets(refusal.spoiled.robot)
     assert estimate is not None
     base = estimate.parameters.base
@@ -83,7 +83,7 @@ def corrected(refusal: Refusal) -> Iterator[Attempt]:
 
 
 def corrected_or_tolerated(refusal: Refusal) -> Iterator[Attempt]:
-    """Both, each for itself; some words print no size that could be declared."""
+    """Put it right, and then declare its tolerance where a size is printed."""
     yield from corrected(refusal)
     tolerance = tolerance_of(refusal.trial)
     if tolerance is not None:
@@ -129,7 +129,11 @@ def found_out(refusal: Refusal) -> Iterator[Attempt]:
 def converted(refusal: Refusal) -> Iterator[Attempt]:
     """The convention that is named is put right in the recording."""
     conventions = (one.convention for one in tried_conventions(refusal.problem))
-    named = next(x for x in conventions if x.cause in refusal.check.reason)
+    named = next((x for x in conventions if x.cause in refusal.check.reason), None)
+    if named is None:
+        # What is wrong with commands of thrusters ends in the same words.
+        yield NOTHING_TO_FOLLOW
+        return
     right = named.written(refusal.problem)
     yield refusal.again("converted", replace(refusal.spoiled, recording=right))
 
@@ -155,7 +159,7 @@ def in_parts(refusal: Refusal) -> Iterator[Attempt]:
 
 
 def of_unknown_momentum(refusal: Refusal) -> Iterator[Attempt]:
-    """What was at rest, as the user said, was not."""
+    """The robot was not at rest, as the user had said: that is no longer said."""
     unknown = replace(refusal.spoiled, initial_momentum="unknown")
     yield refusal.again("momentum unknown", unknown)
 
@@ -172,7 +176,7 @@ WAYS: Mapping[str, Callable[[Refusal], Iterator[Attempt]]] = {
     "declare what swings": lambda _: iter([Attempt("", "declared")]),
     "": lambda _: iter([NOTHING_TO_FOLLOW]),
 }
-"""By words of a remedy; the first that it has are followed."""
+"""What is done where a remedy has these words; of several the first counts."""
 
 
 def followed(refusal: Refusal) -> Iterator[Attempt]:

@@ -4,22 +4,19 @@ A recording with a mistake is refused, and the first reason says what to do. Tha
 done, and what is accepted then must be right; see `following.py`.
 """
 
-import argparse
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
-from campaign_of_mistakes import asked_of
+from campaign_of_mistakes import arguments, in_processes
 from following import NOTHING_TO_FOLLOW, Attempt, Refusal, followed
 from mistake import Mistake
-from mistakes import MISTAKES, REAL_EFFECTS, by_name
+from mistakes import MISTAKES, by_name
 from recordings import clean
 from table import lines
 
@@ -86,14 +83,11 @@ def all_rows(
         progress: is called with what is done.
         of: the mistakes of the table.
     """
-    asked, rows = asked_of(names, of), list[Row]()
-    # A fresh interpreter: threads of the core do not survive a fork.
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for k, done in enumerate(pool.map(row, asked)):
-            rows += [done] if done else []
-            outcomes = [one.outcome for one in done.attempts] if done else ["accepted"]
-            words = f"{': '.join(asked[k])}: {', '.join(outcomes)}"
-            progress(f"{k + 1}/{len(asked)} {words}")
+    rows = list[Row]()
+    for done, (robot, name), one in in_processes(row, workers, names, of):
+        rows += [one] if one else []
+        outcomes = [each.outcome for each in one.attempts] if one else ["accepted"]
+        progress(f"{done} {robot}: {name}: {', '.join(outcomes)}")
     return rows
 
 
@@ -117,20 +111,12 @@ def markdown(rows: Sequence[Row]) -> str:
 
 def main() -> int:
     """Follow all; 1 where something wrong is accepted in the end."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--workers", type=int, default=2, help="processes at a time")
-    parser.add_argument("--out", type=Path, help="file for the table, Markdown")
-    parser.add_argument("names", nargs="*", help="mistakes; all by default")
-    parser.add_argument(
-        "--real-effects", action="store_true", help="what real ones do, in MuJoCo"
-    )
-    given = parser.parse_args()
-    rows = all_rows(
-        given.workers,
-        given.names,
-        lambda words: print(words, file=sys.stderr),
-        REAL_EFFECTS if given.real_effects else MISTAKES,
-    )
+    given = arguments(__doc__)
+
+    def tell(words: str) -> None:
+        print(words, file=sys.stderr)
+
+    rows = all_rows(given.workers, given.names, tell, given.of)
     if given.out:
         given.out.write_text(markdown(rows), encoding="utf-8")
     print(in_words(rows) if given.out else markdown(rows))

@@ -120,8 +120,6 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         yield _explained(min(jumped, key=rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
-    # Linear equations know nothing of thrust.
-    plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
     if usual:
         # That parameters are of a likelier sign is not enough where it can be tried.
         yield from _by_trials(solved, usual, conventions, jumped, end)
@@ -131,6 +129,8 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         happened = event(problem) if solved.hindered and not found else None
         if happened is not None:
             found = [_found(happened.words(), happened.remedy)]
+        # Linear equations know nothing of thrust.
+        plain = not problem.samples.unknown_thrust and wrong.falls > FALLS
         if plain and not solved.hindered:
             found = found or [wrong.check()]
         yield from found

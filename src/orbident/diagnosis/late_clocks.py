@@ -20,7 +20,8 @@ UNKNOWN = 0.1
 """Std of a clock beforehand, s."""
 
 NEAREST = 0.1
-"""s: so far off it is looked for, then farther; that of joints is found by Eq. 24."""
+"""s: a clock is tried so early and so late first. Where both fit far worse than it does
+as recorded, it is tried no farther off. The clock of joints is found by Eq. 24."""
 FARTHER = (-1.0, -0.5, -0.2, 0.2, 0.5, 1.0)  # s
 
 HELPS = 0.7
@@ -122,7 +123,7 @@ def far_off(problem: MomentumProblem) -> dict[str, float]:
     found = [(HELPS * here, now), left(["joints"], far_clock(problem).late)]
     for names in (["attitude"], ["position"], [*SHARED]):
         near = [left(names, late) for late in (-NEAREST, NEAREST)]
-        # One that fits far better than those beside it is not off.
+        # A clock that fits far better than a little off it is right.
         if here > HELPS * min(misfit for misfit, _ in near):
             found += [*near, *(left(names, late) for late in FARTHER)]
     _, late = min(found, key=lambda each: each[0])

@@ -76,7 +76,7 @@ class CorrectedConvention(NamedTuple):
     """Whether parameters are of the size that CAD has, and far from it as recorded."""
 
     def or_one_of(self, others: Iterable["CorrectedConvention"]) -> Self:
-        """This one, and in words the first of others that looks the same."""
+        """This convention, in words with the first other one that fits as well."""
         for one in others:
             other = one.convention.cause != self.convention.cause
             alike = math.isclose(one.falls, self.falls, rel_tol=SAME)

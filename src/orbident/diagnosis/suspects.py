@@ -51,7 +51,7 @@ class Suspect(NamedTuple):
     most: float = np.inf
     """The largest that a number can be: what would have to be more is no cause."""
     rival: Callable[[Numbers], Rival] = lambda _: NONE
-    """What may look like it in any case."""
+    """Another cause that looks like it where its numbers are these."""
 
 
 NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
@@ -169,7 +169,8 @@ def tried(
             break
         found = trial(suspect.words(numbers), right)
         price = numbers.size * np.log(problem.samples.t.size)
-        found = found._replace(misfit=found.misfit + price)
+        rival = max(found.rival, suspect.rival(numbers))
+        found = found._replace(misfit=found.misfit + price, rival=rival)
         if not (found.accepted or found.misfit < best.misfit - WORTH):
             break
         best = found
@@ -183,7 +184,7 @@ def tried(
             break
         numbers = numbers + more.values
         if found.accepted:
-            # What is off by little is accepted, too: nearer to it there is no other.
+            # Numbers that are a little off are accepted, too: these are nearer.
             best = found._replace(cause=suspect.words(numbers))
             break
-    yield best._replace(rival=max(best.rival, suspect.rival(numbers)))
+    yield best

@@ -12,7 +12,7 @@ that is first looked for by the residuals of Eq. 24.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -105,8 +105,9 @@ def evidence(
 def _with(problem: MomentumProblem, clock: Delay) -> MomentumProblem:
     """The problem on this clock of joints and wheels, where it is believed."""
     clocks = {**problem.clocks, "joints": clock}
-    again = on_clocks if clock.believed else replace
-    return again(problem, clocks=clocks)
+    if not clock.believed:
+        return replace(problem, clocks=clocks)
+    return on_clocks(problem, clocks)
 
 
 def _clock_of(
@@ -160,10 +161,9 @@ def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
     if CLOCK not in alone or not np.isfinite(alone[CLOCK].std[0]):
         return None, False
     (late,), (std,), fall = alone[CLOCK]
-    most, goodness = max(each.fall for each in alone.values()), shown.goodness
+    most, fit = max(each.fall for each in alone.values()), shown.goodness
     # What noise as it is declared does not explain, over that which was found.
-    known = goodness if goodness and goodness.declared else None
-    more = known.dof * (1 - 1 / known.per_dof) if known else 0.0
+    more = fit.dof * (1 - 1 / fit.per_dof) if fit and fit.declared else 0.0
     likeliest = WORTH < fall == most and FURTHER * fall > more
     return Delay(float(late), float(std), believed=False), likeliest
 
@@ -201,6 +201,7 @@ def far_clock(problem: MomentumProblem) -> Delay:
     """How late joints and wheels are where Eq. 24 fits far better; else no delay."""
     part, nowhere = problem.beginning(ROWS), Delay(0.0, np.inf, believed=False)
 
+    @cache
     def left(late: float) -> float:
         try:
             pi = _with(part, Delay(late, np.inf, True)).fits.pi
@@ -208,7 +209,7 @@ def far_clock(problem: MomentumProblem) -> Delay:
             return np.inf
         return pi.unexplained / max(np.hypot(pi.explained, pi.unexplained), TINY)
 
-    # One that fits far better than those beside it is not off.
+    # A clock that fits far better than a little off it is right.
     if left(0.0) ** 2 < HELPS * min(left(-FAR[0]), left(FAR[0])) ** 2:
         return nowhere
     most = LONGEST_PART * np.ptp(part.samples.t)

@@ -362,9 +362,7 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
         return
     if not len(mass.forms):
         reason = "mass: no form of Eq. 32 is determined"
-        remedy = (
-            "weigh the robot with a thruster burn (Eq. 40), or see what else is said"
-        )
+        remedy = "weigh the robot with a thruster burn (Eq. 40)"
         yield Check("Eq. 32", "do not trust", reason, remedy)
         return
     yield Check(

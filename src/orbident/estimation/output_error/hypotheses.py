@@ -294,8 +294,9 @@ def _best(
     # Free it follows anything; as large as is most likely it may explain nothing.
     explains = cost - solution.cost > limit("disturbance", 1)
     possible = explains and _of_a_robot(search, solution, cost)
-    backwards = possible and acts_backwards(problem, solution, family)
-    return (family, sized, solution) if possible and not backwards else None
+    if not possible or acts_backwards(problem, solution, family):
+        return None
+    return family, sized, solution
 
 
 class _Freed(NamedTuple):
