@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -75,7 +75,9 @@ class CorrectedConvention(NamedTuple):
     as_cad: bool
     """Whether parameters are of the size that CAD has, and far from it as recorded."""
 
-    def or_one_of(self, others: Iterable["CorrectedConvention"]) -> Self:
+    def or_one_of(
+        self, others: Iterable["CorrectedConvention"]
+    ) -> "CorrectedConvention":
         """This convention, in words with the first other one that fits as well."""
         for one in others:
             other = one.convention.cause != self.convention.cause
