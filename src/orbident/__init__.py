@@ -93,6 +93,7 @@ _PUBLIC = {
 provide("causes", "orbident.diagnosis.causes:causes")
 provide("html", "orbident.report.parameter_section:first_table")
 provide("nearest_dynamics", "orbident.identified.physical:nearest_dynamics")
+provide("plain_change", "orbident.diagnosis.events:plain_change")
 provide("plain_mistake", "orbident.diagnosis.linear_test:plain_mistake")
 provide("plot", "orbident.report.drawing:Plots")
 provide("to_mujoco", "orbident.identified.simulator_models:mujoco_spec")

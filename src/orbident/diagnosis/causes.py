@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from time import process_time
 
 import numpy as np
@@ -48,6 +49,7 @@ from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nom
 from orbident.estimation.residual_checks import leaves_nothing
 from orbident.files.names import joined
 from orbident.recordings.column_checks import float32_step
+from orbident.robot.description import KnownQuantities
 from orbident.threads import one_blas_thread
 
 EXPLAINS = 100.0
@@ -326,6 +328,7 @@ def _stages(
 ) -> Iterator[Iterable[Trial]]:
     """What is tried, in this order; and what has a score and is not tried yet."""
     problem = solved.problem
+    yield _not_as_weighed(solved)
     yield smoothed(problem)
     yield _written(conventions, problem)
     yield point_of_a_link(problem)
@@ -354,6 +357,17 @@ def _beside(one: Trial, untried: list[Scored], before: float) -> Trial:
     if one.score is not None:
         falls += before - one.misfit - one.score
     return one._replace(rival=max(one.rival, Rival(falls, untried[0].cause)))
+
+
+def _not_as_weighed(solved: Solved) -> Iterator[Trial]:
+    """What scales and balances said, left out where the recording says otherwise."""
+    if solved.shown and solved.shown.weighed.is_no_chance("other parameters"):
+        robot = replace(solved.problem.robot, known=KnownQuantities())
+        cause = (
+            "what was weighed (known in the robot file) contradicts what gives the "
+            "recording its scale, such as the wheels' inertia"
+        )
+        yield amended_trial(cause, solved.problem, robot)
 
 
 def _written(

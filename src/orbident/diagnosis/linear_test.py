@@ -141,7 +141,8 @@ def _corrected(part: MomentumProblem, convention: Convention) -> CorrectedConven
 def plain_mistake(problem: MomentumProblem) -> list[Check]:
     """A convention that is plainly another one, which no fit is needed to see."""
     fits = problem.fits
-    if not problem.linear or not problem.scale_seen or no_motion(problem):
+    # What springs let swing is little beside a plain mistake, and thrust is not.
+    if problem.samples.unknown_thrust or not problem.scale_seen or no_motion(problem):
         return []
     left = np.array([_part_left(fits.pi), _part_left(fits.phi)])
     absurd = left > ABSURD

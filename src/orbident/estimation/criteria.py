@@ -97,6 +97,8 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_thrusters(shown or estimate),
             *_two_explanations(problem, shown or estimate),
             *_at_rest(shown or estimate),
+            *_weighed(shown or estimate),
+            *_motors(shown or estimate),
             *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(
@@ -110,7 +112,8 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
 def _determined(
     problem: MomentumProblem, name: str, determined: Bool[np.ndarray, " n"]
 ) -> Iterator[Check]:
-    which, locked = np.flatnonzero(~determined) + 1, problem.samples.locked
+    which = np.flatnonzero(~determined) + 1
+    locked = [x for x in problem.samples.locked if x not in problem.robot.passive]
     if which.size == 0:
         reason = f"all {determined.size} of {name} are determined"
         yield Check(f"{name} determined", "trust", reason)
@@ -273,6 +276,38 @@ def _at_rest(shown: Estimate) -> Iterator[Check]:
             "say how still it is held (at_rest in the robot file), or use "
             "--initial-momentum unknown",
         )
+
+
+def _weighed(shown: Estimate) -> Iterator[Check]:
+    """Whether what was weighed is of this robot."""
+    if shown.weighed.is_no_chance("other parameters"):
+        yield Check(
+            "known",
+            "do not trust",
+            "what was weighed (known in the robot file) is not what the recording "
+            f"shows: by {shown.weighed.value**0.5:.2g} of their deviations",
+            "see that the same load and fuel were weighed, and check what gives the "
+            "recording its scale, such as the wheels' inertia",
+        )
+
+
+def _motors(shown: Estimate) -> Iterator[Check]:
+    """Whether motors and their friction take what torques give them."""
+    for name, fit in shown.drives.items():
+        parts = {
+            "rotor": (fit.armature, fit.armature_std, "kg m^2"),
+            "viscous friction": (fit.viscous, fit.viscous_std, "N m s"),
+            "Coulomb friction": (fit.coulomb, fit.coulomb_std, "N m"),
+        }
+        for what, (value, std, unit) in parts.items():
+            if value < -FAR * std:
+                yield Check(
+                    "motors",
+                    "do not trust",
+                    f"the {what} of joint '{name}' would be {value:.3g} +- {std:.1g} "
+                    f"{unit}, by its torques, and none is less than nothing",
+                    "check the signs, units and order of the torque columns",
+                )
 
 
 def _what_may_act(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:

@@ -164,6 +164,8 @@ class Estimate(BesideParameters):
     """How much more momentum was found than a robot at rest may have."""
     carried: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
     """How far what passive joints carry is from what was known of it beforehand."""
+    weighed: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
+    """How far what scales and balances said is from what the recording says."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     sources: Callable[[], ErrorSources] | None = None

@@ -32,11 +32,19 @@ from orbident.preprocessing.leaps import jumps_of
 RANK = 1e-9
 """Part of the largest singular value below which columns are dependent."""
 
+TINY = 1e-300
+"""Where nothing is left its logarithm is finite, and a part of it a number."""
+
 AROUND = 10
 """Samples before and after the jump in which the push may last."""
 
 FEWEST = 4 * AROUND
 """Samples of a recording in which a jump is looked for."""
+
+LEAVES = 0.5
+"""The most that a jump leaves of the squares of what Eq. 24, or Eq. 31, did not explain
+without it. Of 28 pushes of random robots that were seen none left more, and where one
+left more the jump was another time's."""
 
 
 def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solved:
@@ -62,9 +70,9 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
         return solved
     # As it was recorded: nothing is subtracted that was taken for something else.
     problem = problem.amended()
-    row = jump_of_momenta(problem)
+    row, left = jump_of_momenta(problem)
     first, last = t[row - AROUND], t[row + AROUND]
-    if _a_joint_jumps(problem, first, last):
+    if left > LEAVES or _a_joint_jumps(problem, first, last):
         return solved
     pushed = problem.amended(pushed=(first, last))
     fit = OutputError(steps=FEW_STEPS, tested=False)
@@ -124,22 +132,31 @@ def _fits_with_an_error(solved: Solved) -> bool:
     return False
 
 
-def jump_of_momenta(problem: MomentumProblem) -> int:
-    """The first sample after the jump of both momenta that explains most."""
+def jump_of_momenta(problem: MomentumProblem) -> tuple[int, float]:
+    """The first sample after the jump of both momenta that explains most.
+
+    Returns:
+        Its row, and the least part that the jump leaves of the squares of what one of
+        the equations does not explain without it.
+    """
     samples, regressors = problem.samples, problem.sets.regressors
     wheels, batch = wheels_of(problem.robot), samples.batch(0, samples.t.size)
     rows_h, rows_v = rows_of(regressors, wheels, None, batch, samples.drift())
-    left = _left_by_jumps(rows_h, len(regressors.momentum_axes))
+    parts = [_left_by_jumps(rows_h, len(regressors.momentum_axes))]
     if samples.v_S:
-        left += _left_by_jumps(rows_v, len(regressors.velocity_axes))
-    # A jump at either end is a constant momentum or none.
-    return AROUND + int(np.argmin(left[AROUND:-AROUND]))
+        parts.append(_left_by_jumps(rows_v, len(regressors.velocity_axes)))
+    # Minus twice the logarithm of the likelihood is, of each equation, its rows times
+    # that of its squares. A jump at either end is a constant momentum or none.
+    rows = (len(rows_h), len(rows_v))
+    cost = sum(n * np.log(part) for n, part in zip(rows, parts, strict=False))
+    row = AROUND + int(np.argmin(cost[AROUND:-AROUND]))
+    return row, min(float(part[row]) for part in parts)
 
 
 def _left_by_jumps(
     rows: Float[np.ndarray, "rows columns"], axes: int
 ) -> Float[np.ndarray, " samples"]:
-    """Minus twice the logarithm of the likelihood with a jump at each sample.
+    """The part of the residuals' squares that a jump at each sample leaves.
 
     Args:
         rows: of one equation, first the columns of a constant momentum.
@@ -160,4 +177,4 @@ def _left_by_jumps(
     QN = later(np.einsum("kic,kia->kca", Q.reshape(*by_sample, Q.shape[1]), n))
     M = later(np.einsum("kia,kib->kab", n, n)) - np.swapaxes(QN, 1, 2) @ QN
     fallen = np.einsum("ka,kab,kb->k", b, np.linalg.pinv(M, RANK, hermitian=True), b)
-    return z.size * np.log(np.maximum(r @ r - fallen, 0.0) + 1e-300)
+    return np.maximum(1 - fallen / max(float(r @ r), TINY), TINY)

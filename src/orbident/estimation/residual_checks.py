@@ -11,6 +11,7 @@ from orbident.estimation.levels import limit, low_frequencies
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
 from orbident.estimation.output_error.disturbance_sizes import TOLD
 from orbident.estimation.signals import SIGNAL_UNITS, Signal
+from orbident.estimation.unknowns import SPRING
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
@@ -180,6 +181,7 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
     }
     name = max(squares, key=lambda name: squares[name])
     square, fit = squares[name], found[name]
+    unit = "of its logarithm" if name.endswith(SPRING) else "SI"
     name = name.replace(".", " ")
     if not square > most:
         reason = "no instrument is off by more than its tolerance says"
@@ -188,7 +190,7 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
     yield Check(
         "tolerances",
         "do not trust",
-        f"{name} would be off by {fit.value:.2g} +- {fit.std:.1g} (SI), and "
+        f"{name} would be off by {fit.value:.2g} +- {fit.std:.1g} ({unit}), and "
         f"{fit.tolerance:.2g} is its tolerance: it, or something that looks like it, "
         "is not as declared",
         f"check {name}, or declare a larger tolerance in the robot file",

@@ -233,8 +233,8 @@ def _unused_torques(
     if not left or estimate.goodness is None:
         return []
     return [
-        f"torques of {listed(left)} do not count: such a joint stands, is zero "
-        "throughout, moves by another one, or has gaps between its samples"
+        f"torques of {listed(left)} do not count: such a joint is passive, stands, "
+        "is zero throughout, moves by another one, or has gaps between its samples"
     ]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import MOST, Evidence, Fit, evidence, misfit
 from orbident.estimation.estimate import Change, Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
@@ -209,16 +210,19 @@ def solve(
     problem, shown = _begun(robot, recording, initial_momentum, estimator, reading)
     _check_outside(problem, estimator)
     problem = _with_what_is_left_out(problem, estimator)
-    # What needs no fit comes first.
-    mistaken = [] if shown else provided("plain_mistake")(problem)
     by_torque = _by_torque(problem, estimator)
-    hindered = [*mistaken, *obstacles(problem, by_torque)]
+    # What needs no fit of all comes first.
+    hindered = [
+        *_plainly("plain_mistake", problem, shown),
+        *obstacles(problem, by_torque),
+    ]
     if not hindered:
         parted = _in_parts(problem, estimator, later)
         if parted is not None:
             return parted
-        if shown is None:
-            problem, shown = evidence(problem, estimator, later)
+        hindered = _plainly("plain_change", problem, shown)
+    if not hindered and shown is None:
+        problem, shown = evidence(problem, estimator, later)
         hindered = obstacles(problem, by_torque)
     if hindered:
         # Nothing can be estimated: what linear fits show is kept for a look.
@@ -227,6 +231,13 @@ def solve(
     if shown is None:
         return Solved(problem, [], estimator.estimate(problem, later), None)
     return solved_by(estimator, problem, shown, later)
+
+
+def _plainly(
+    what: str, problem: MomentumProblem, shown: Estimate | None
+) -> list[Check]:
+    """What the linear equations see of a recording that was not fitted yet."""
+    return [] if shown else provided(what)(problem)
 
 
 def _with_what_is_left_out(

@@ -28,6 +28,7 @@ from orbident.robot.tolerances import Tolerances
 from orbident.robot.units import (
     FRICTION_OF_A_JOINT,
     TORQUE_OF_A_JOINT,
+    Damping,
     MeasuredQuantity,
     Rate,
     Share,
@@ -245,7 +246,7 @@ class Passive(NamedTuple):
 
     frequency: Rate
     """`f`, at which it swings where the body that carries it is held, Hz."""
-    damping: Share = 0.01
+    damping: Damping = 0.01
     """`zeta`, over critical damping."""
     tolerance: Share = 0.2
     """Standard deviation of the frequency, relative."""

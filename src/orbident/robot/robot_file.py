@@ -77,7 +77,11 @@ def assembled(
     couplings, uncoupled = couplings_of(urdf, names)
     check_passive(file.passive, couplings, place)
     check_rotors(rotors, bodies.joints, bodies.names, file.structure, place)
-    driven = {"friction": file.friction, "torque_constants": file.torque_constants}
+    driven = {
+        "friction": file.friction,
+        "torque_constants": file.torque_constants,
+        "rotors": [name for name, rotor in rotors.items() if rotor != NO_ROTOR],
+    }
     check_driven(driven, file.passive, place)
     friction = {name: file.friction.get(name, NO_FRICTION) for name in names}
     return Robot(

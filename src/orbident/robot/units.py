@@ -250,11 +250,14 @@ def per_axis(dimension: str, *, above_zero: bool = False) -> BeforeValidator:
     return BeforeValidator(in_si)
 
 
-def _rate(value: object) -> float:
-    number = quantity(value, "frequency")
-    if number < SMALLEST:
-        raise WrongValueError("give a rate above zero")
-    return number
+def _above_zero(dimension: str, words: str) -> BeforeValidator:
+    def in_si(value: object) -> float:
+        number = quantity(value, dimension)
+        if number < SMALLEST:
+            raise WrongValueError(f"give a {words} above zero")
+        return number
+
+    return BeforeValidator(in_si)
 
 
 def _lasting(value: object) -> float:
@@ -267,7 +270,8 @@ def _lasting(value: object) -> float:
     return number
 
 
-Rate = Annotated[float, BeforeValidator(_rate)]
+Rate = Annotated[float, _above_zero("frequency", "rate")]
+Damping = Annotated[float, _above_zero("share", "damping, such as 0.5 %,")]
 Lasting = Annotated[float, BeforeValidator(_lasting)]
 Time = Annotated[float, measure_of("time")]
 Angle = Annotated[float, measure_of("angle")]

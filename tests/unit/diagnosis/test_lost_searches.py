@@ -46,12 +46,12 @@ def test_so_many_trials_without_a_least_cost_are_enough(
     assert len(made) == (LOST if fits else 4 * len(STAGES))
 
 
-@pytest.mark.parametrize(("tested", "expected"), [(False, 1), (True, 4)])
+@pytest.mark.parametrize(("tested", "expected"), [(False, 1), (True, 3)])
 def test_nonsense_does_not_ask_what_else_acts(monkeypatch, tested: bool, expected: int):
     """Joints that show another motion: no search more for every group.
 
     What is only tried is searched for once. A part of a recording may be good, and is
-    searched for loosely, too, from there, and once more from the best end.
+    searched for loosely, too, and from there.
     """
     recording = clean().recording.between(0.0, 6.0)
     columns = {

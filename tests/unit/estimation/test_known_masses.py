@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from burns import Body, burn
+from clean_recordings import clean_space
 from random_motions import random_motion
 from valved_satellite import Truth, flown, satellite
 
@@ -45,6 +46,23 @@ def test_a_link_on_a_hinge_has_no_mass_of_its_own():
 def test_a_body_that_is_not_there(tmp_path):
     with pytest.raises(InputError, match="known: bodies: no body 'arm'"):
         satellite(tmp_path, more="known: {bodies: {arm: 1 +- 0.1 kg}}\n")
+
+
+@pytest.mark.parametrize("off", [0.0, 0.05])
+def test_scales_that_contradict_the_recording(off):
+    """Whose deviation is far less than that of the recording."""
+    flown = clean_space(seed=1, duration=20.0)
+    mass = MeasuredQuantity((1 + off) * flown.robot.mass, 1e-4 * flown.robot.mass)
+    robot = replace(flown.robot, known=KnownQuantities(mass=mass))
+    found = identify(robot, flown.recording)
+    said = [words for words in found.warnings if "contradict" in words]
+    said += [words for words in found.warnings if "what was weighed" in words]
+    assert (found.status == "rejected") == bool(said) == bool(off)
+    if off:
+        assert (
+            "what was weighed (known in the robot file)"
+            in found.with_causes().refusal()
+        )
 
 
 def test_a_burn_beside_scales():

@@ -14,14 +14,15 @@ The most likely density `q` is that of restricted likelihood (Harville 1977).
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 
 from orbident.environment.agents import AGENTS, FREE, NOISE, STEADY, WALKS
-from orbident.estimation.levels import TIMES_CAD, ChiSquare, limit
+from orbident.estimation.levels import TIMES_CAD, ChiSquare, chi_square, limit
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import inertia_of_walks
 from orbident.estimation.output_error.walking_rates import (
@@ -32,7 +33,7 @@ from orbident.estimation.output_error.walking_rates import (
     near,
     walking_so,
 )
-from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
+from orbident.estimation.solution import NO_EQUATIONS, OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit, Unknown
 
 ROUNDS = 6
@@ -159,14 +160,29 @@ def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
     return _surprise(value, prior.std[axes], C[np.ix_(here, here)])
 
 
-def surprise_of_carried(solution: Solution) -> ChiSquare:
-    """How far what passive joints carry is from what was known of it beforehand."""
-    equations, state, C = solution.prior.carried, solution.state, solution.covariance
-    first = len(C) - state.common.size
-    common = slice(first, first + equations.shape[1] - 1)
-    A, b = equations[:, :-1], equations[:, -1]
-    value = b - A @ state.common[: A.shape[1]]
-    return _surprise(value, np.ones(b.size), A @ C[common, common] @ A.T)
+def surprise_of_known(
+    solution: Solution, what: Literal["measured", "carried"]
+) -> ChiSquare:
+    """How far what was known beforehand is from what a recording says without it.
+
+    It is known by equations `A x = b + e`, with `e` of unit variance, and `x` without
+    them has the covariance `C`:
+
+        (b - A x)' (1 + A C A')^-1 (b - A x)
+
+    Args:
+        solution: with these equations.
+        what: which part of the prior they are.
+    """
+    equations, state = getattr(solution.prior, what), solution.state
+    others = solution.prior._replace(**{what: NO_EQUATIONS})
+    factor = others.added(solution.linear.common, state)
+    R, z = factor[:-1, :-1], factor[:-1, -1]
+    A = np.zeros((len(equations), state.common.size))
+    A[:, : equations.shape[1] - 1] = equations[:, :-1]
+    x = state.common + solve_triangular(R, z)
+    spread = solve_triangular(R, A.T, trans=1)
+    return chi_square(equations[:, -1] - A @ x, np.eye(len(A)) + spread.T @ spread)
 
 
 def _surprise(

@@ -41,7 +41,7 @@ from orbident.estimation.output_error.beforehand import (
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
-    surprise_of_carried,
+    surprise_of_known,
     surprise_of_rest,
     widened_by,
     with_densities,
@@ -262,7 +262,8 @@ def _estimate(
         rest=surprise_of_rest(equations, found.solution)
         if problem.initial_momentum == "at-rest"
         else ChiSquare(0.0, 0),
-        carried=surprise_of_carried(found.solution),
+        carried=surprise_of_known(found.solution, "carried"),
+        weighed=surprise_of_known(found.solution, "measured"),
         calibration=calibration,
         springs=springs_of(robot, calibration),
         drives=drives_of(robot, calibration, _driven(robot, equations)),

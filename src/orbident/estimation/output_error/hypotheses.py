@@ -31,14 +31,20 @@ from orbident.estimation.output_error.disturbance_sizes import (
     surprise_of,
 )
 from orbident.estimation.output_error.joint_laws import ENOUGH
-from orbident.estimation.output_error.noise_scaling import Fitted, fitted
+from orbident.estimation.output_error.noise_scaling import Fitted, fitted, is_bad
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import (
     TakenForZero,
     taken_for_zero,
 )
-from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
+from orbident.estimation.solution import (
+    NO_EQUATIONS,
+    Linear,
+    Prior,
+    Solution,
+    Unknowns,
+)
 
 ROUNDS = 6
 """Times that a family is freed, at most."""
@@ -46,11 +52,12 @@ ROUNDS = 6
 TRIED = 3
 """Families, likeliest to first order, that are freed; and instruments beside them."""
 
-BAD = 4.0
-"""Chi-square of a sample beyond which it is asked whether there is any hope."""
-
 FIRST_ORDER = 0.5
 """Part of what a family explains to first order that a likelier one does, too."""
+
+SOME_OF_IT = 0.1
+"""Part of chi-square that a family must explain to first order to make a bad fit good:
+those that did, of the tables of mistakes, explained 0.39 and more."""
 
 NOTHING = 1e-4
 """Part of what a search of too few steps explained that counts as nothing."""
@@ -119,10 +126,7 @@ class Search:
             return first
         loosely = self._loosely(self.loose(), prior, places)
         second = solve(prior=prior, state=loosely, steps=self.steps)
-        best = min(first, second, key=lambda each: each.cost)
-        if best.converged:
-            return best
-        return solve(prior=prior, state=best.state, steps=self.steps)
+        return min(first, second, key=lambda each: each.cost)
 
     def _loosely(
         self, loose: Problem, prior: Prior, places: Float[np.ndarray, " selected"]
@@ -210,7 +214,8 @@ def fit_in_world(fit: WorldFit, excluded: Collection[str] = ()) -> WorldFit:
     search, found = fit.search, fit.found
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
-    hopeless = search.hasty and _bad(search.problem, cost)
+    lost = search.hasty or not solution.converged
+    hopeless = lost and is_bad(search.problem, cost)
     hopeless |= of_no_robot(*solution.mass, search.nominal.beta[0])
     if hopeless or search.problem.t.size > LONGEST:
         return fit
@@ -272,7 +277,11 @@ def _best(
     # Beside a slow torque that may be anything another one would follow anything.
     # A walk is as large as its density, which is no unknown here.
     beside = {*excluded, *free, *UNTESTED, *(SLOW if {*SLOW, *WALKS} & free else ())}
-    tried = _freed(search, zeros, cost, _beyond(zeros, beside))
+    beyond = _beyond(zeros, beside)
+    if is_bad(problem, cost):
+        enough = SOME_OF_IT * zeros.solution.cost
+        beyond = {name: fall for name, fall in beyond.items() if fall > enough}
+    tried = _freed(search, zeros, cost, beyond)
     if not tried:
         return None
     least, family, freed, solution = min(tried, key=lambda each: each.worth)
@@ -281,7 +290,7 @@ def _best(
     if family in problem.gains:
         # It is an instrument itself; more than one valve may stick.
         return family, freed, solution
-    bad = _bad(problem, solution.cost)
+    bad = is_bad(problem, solution.cost)
     if bad or _by_an_instrument(search, zeros, cost, least):
         return None
     size = size_of(freed.problem, solution, family)
@@ -345,7 +354,16 @@ def _by_an_instrument(
     cost: float,
     least: float,
 ) -> bool:
-    """Whether one that is off is likelier than what has this evidence."""
+    """Whether one that is off is likelier than what has this evidence.
+
+    So is what scales and balances said.
+    """
+    weighed = search.prior.measured
+    if len(weighed):
+        others = search.prior._replace(measured=NO_EQUATIONS)
+        without = replace(search, prior=others).freed(trial=zeros.solution.state)
+        if integrated_out(cost, without.cost, len(weighed)) < least:
+            return True
     excess = zeros.errors_beyond_chance()
     for instrument in _likely(excess):
         most = cost * (1 - FURTHER * excess[instrument] / zeros.solution.cost)
@@ -380,7 +398,3 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
 def _likely(beyond: Mapping[str, float]) -> list[str]:
     likely = sorted(beyond, key=lambda name: (-beyond[name], name))
     return [name for name in likely if beyond[name] > 0][:TRIED]
-
-
-def _bad(problem: Problem, cost: float) -> bool:
-    return cost > BAD * sum(int((x > 0).sum()) for x in problem.weights.values())

@@ -18,7 +18,7 @@ from orbident.estimation.output_error.sensors import (
     some_of,
 )
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
-from orbident.estimation.output_error.solver import solved
+from orbident.estimation.output_error.solver import BAD, solved
 from orbident.estimation.output_error.walking_rates import free_running
 from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution
@@ -43,11 +43,12 @@ ROUNDS = 6
 TAKEN = 0.5
 """The most of a sensor's noise that unknowns take up: what is less was not there."""
 
-LOST = 2
-"""Rounds without a solution, one after another: other weights bring none."""
-
 SETTLED = 0.05
 """Weights that change less, relative, change no estimate."""
+
+BETWEEN = 4
+"""Steps of a search between two changes of the weights, at most: where a model fits it
+takes fewer, and where it does not, those that follow move little."""
 
 
 class Whitened(NamedTuple):
@@ -72,6 +73,11 @@ class Whitened(NamedTuple):
     def whiteness(self) -> float:
         """Correlation of neighbours: 0 for white noise."""
         return whiteness(self.values)
+
+
+def is_bad(problem: Problem, cost: float) -> bool:
+    """Whether samples leave far more than noise does, with that which was assumed."""
+    return cost > BAD * sum(int((x > 0).sum()) for x in problem.weights.values())
 
 
 def whitened(
@@ -175,19 +181,17 @@ def fitted(
         declared: sensors whose noise is.
         progress: is called at every step.
         steps: at most, for the weights of each round.
-        hasty: whether one round without a solution is enough.
+        hasty: whether a first search without a solution is enough.
     """
     solution = first()
     assumed = solution.cost
     levels = dict.fromkeys(problem.weights, 1.0)
-    rounds = lost = 0
-    most = 1 if hasty else LOST
+    rounds, whole = 0, True
     taken: Convergence = ()
     while True:
         spare_memory(problem.t.size)
         rounds += 1
         taken += tuple(step._replace(round=rounds) for step in solution.convergence)
-        lost = 0 if solution.converged else lost + 1
         before, levels, used, changed = levels, {}, {}, 0.0
         unknowns = _unknowns(problem, solution)
         for name in problem.weights:
@@ -200,13 +204,17 @@ def fitted(
                 partial(_level, least=least[name], declared=name in declared),
             )
             changed = max(changed, change(solution.weights[name], used[name]))
-        if rounds == ROUNDS or lost == most or changed < SETTLED:
+        ends = changed < SETTLED and (whole or solution.converged)
+        vain = hasty and whole and not solution.converged
+        if ends or vain or rounds == ROUNDS:
             break
+        whole = changed < SETTLED or rounds == ROUNDS - 1
         state, prior = solution.state, solution.prior
         # Its rows take as much memory as those of the next one.
         del solution
         spare_memory(problem.t.size)
-        solution = solved(problem, used, prior, state, progress, steps)
+        few = steps if whole else min(steps, BETWEEN)
+        solution = solved(problem, used, prior, state, progress, few)
     del used
     spare_memory(problem.t.size)
     residuals = {

@@ -26,7 +26,8 @@ from orbident.recordings.long_recording import LARGE
 
 SAME = 0.01
 """Chi-square: what differs by less is as likely. Where noise lasts, or weights depend
-on the state, the equations' solution is not quite where the cost is least."""
+on the state, the equations' solution is not quite where the cost is least. Where a
+sample leaves more than noise does, chi-square and deviations are larger by as much."""
 
 STEPS = 20
 """The most that a search takes."""
@@ -51,7 +52,14 @@ one side only. Where the least cost is at such a corner, steps lead from one sid
 to the other, are shorter than this, and lower nothing: the search ends there too."""
 
 AGAIN = 3
-"""Steps that lower nothing, one after the other, at a corner."""
+"""Steps one after the other that lower nothing, at a corner, or hardly anything."""
+
+BAD = 4.0
+"""Chi-square of a sample beyond which there may be no hope."""
+
+SLOWLY = 1e-2
+"""Part of a cost that is as bad below which steps lead nowhere, if some do one after
+the other."""
 
 KEPT = 2**24
 """Bytes of links that a solution keeps: without them, who asks for its boundaries
@@ -88,12 +96,15 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, _size(here))
     damping, raised = DAMPING if enough else 0.0, RAISED
-    taken, tried, vain = [Step(cost, np.nan)], False, 0
+    taken, tried, vain, slow = [Step(cost, np.nan)], False, 0, 0
+    samples = sum(np.count_nonzero(each) for each in weights.values())
     while steps > 0:
         progress()
         steps -= 1
         here = linear(problem, weights, state) if here.given_up else here
         factor = prior.added(here.common, state)
+        beyond = _beyond_noise(factor, samples)
+        same, small = SAME * beyond, SMALL * np.sqrt(beyond)
         # Ratios to the mass change along a line, so that their numerators do not.
         close = taken[-1].size < NEAR
         even = problem.acting.steps_from(state)
@@ -102,11 +113,11 @@ def solved(
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
         # What hardly anything shows moves in steps without damping alone.
-        if size < SMALL and 0 < damping <= DAMPING and not tried:
+        if size < small and 0 < damping <= DAMPING and not tried:
             tried, damping = True, 0.0
             continue
         # What nothing shows would take an undamped step too far, again and again.
-        if size < SMALL and damping <= DAMPING:
+        if size < small and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
             left = float(factor[-1, -1] ** 2 + np.sum((whole - change) ** 2))
             taken.append(Step(left, size))
@@ -117,17 +128,18 @@ def solved(
             there = here = here.without_rows()
         moved = state.moved(z, even.changed(g))
         there, new_cost = _corrected(problem, weights, prior, damping, cost, moved)
-        if new_cost < cost + SAME:
+        if new_cost < cost + same:
             lowered = (cost - new_cost) / cost
             steps += lowered > 1 - FALLS
-            as_good = problem.gains and size < CORNER and cost - new_cost < SAME
+            as_good = problem.gains and size < CORNER and cost - new_cost < same
             vain = vain + 1 if as_good else 0
+            slow = slow + 1 if beyond > BAD and lowered < SLOWLY else 0
             expected = change @ (2 * whole - change)
             gain = float((cost - new_cost) / expected) if new_cost < cost else 0.0
             state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             damping = damping if damping > LEAST_DAMPING else 0.0
-            if vain == AGAIN or lowered < enough:
+            if AGAIN in (vain, slow) or lowered < enough:
                 break
         elif damping > MOST_DAMPING:
             break
@@ -138,7 +150,13 @@ def solved(
     here = linear(problem, weights, state) if here.given_up else here
     end = solution_at(state, here, prior, weights, False, cost, tuple(taken))
     # Where curvature makes every step too long or too short, the end comes slowly.
-    return end._replace(converged=vain == AGAIN or end.left < SAME)
+    same = SAME * _beyond_noise(prior.added(here.common, state), samples)
+    return end._replace(converged=vain == AGAIN or end.left < same)
+
+
+def _beyond_noise(factor: Float[np.ndarray, "n n"], samples: int) -> float:
+    """Chi-square that equations leave of a sample; 1 where that may be noise."""
+    return max(float(factor[-1, -1] ** 2) / max(samples, 1), 1.0)
 
 
 def _corrected(
