@@ -19,9 +19,8 @@ from random_flights import flights
 from random_motions import random_motion
 
 import orbident as oi
-from orbident.estimation.estimate import Change
+from orbident.estimation.changes import changes_of
 from orbident.estimation.momentum_problem import momentum_problem
-from orbident.estimation.solve import since_the_last_change
 from orbident.robot.sensor_schema import declared_sensors
 
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "2"))
@@ -90,27 +89,14 @@ def off(result: oi.Result, true: oi.Robot) -> float:
     return float(np.nanmax(np.abs(result.base.values - beta) / result.base.std))
 
 
-@pytest.mark.parametrize(
-    "alarms",
-    [
-        pytest.param([-1.5], marks=pytest.mark.long),
-        pytest.param([-12.0, 9.0], marks=pytest.mark.slow),
-    ],
-)
-def test_alarms_at_other_times_hide_no_change(alarms: list[float]):
-    """A filter that learns raises some before and after, and none when it happens."""
-    before, after, recording, at = flight(SERVICER, 0)
+@pytest.mark.slow
+def test_when_the_robot_changed():
+    """To some samples, before any filter has seen one."""
+    before, _, recording, at = flight(SERVICER, 0)
     problem = momentum_problem(cad(before, 0), recording, "unknown", lambda _: None)
-    suspected = [Change(at + late, at + late, 2.0, 1.0) for late in alarms]
-    (change,), last = since_the_last_change(problem, suspected, lambda _: None)
+    (change,) = changes_of(problem)
     assert change.onset <= at <= change.t + 1 / RATE
-    assert change.t < at + SOON
-    assert last.shown is not None
-    base = last.shown.parameters.base
-    z = (base.values - oi.minimal_sets(after).beta(after.theta)) / np.sqrt(
-        np.diag(base.covariance)
-    )
-    assert np.abs(z).max() < FAR
+    assert change.t < at + 1.0
 
 
 @pytest.mark.long

@@ -5,6 +5,7 @@ base rate, attitude and the velocity of S go on as they were. From then on the m
 is that of both together.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -91,33 +92,47 @@ def truth_through_change(
     t: Float[np.ndarray, " n"],
 ) -> Truth:
     """What ideal sensors would show at the times `t`, s."""
-    trajectory = trajectory.for_robot(before)
+    return truth_through_changes([before, after], trajectory, [at], t)
+
+
+def truth_through_changes(
+    robots: Sequence[Robot],
+    trajectory: Trajectory,
+    times: Sequence[float],
+    t: Float[np.ndarray, " n"],
+) -> Truth:
+    """The same of several robots, one after the other from these times on, s."""
+    trajectory = trajectory.for_robot(robots[0])
     initial = trajectory.initial
-    start = BaseState(
+    state = BaseState(
         initial.angular_velocity,
         initial.attitude,
         initial.velocity,
-        initial.wheel_speeds(before.wheel_names),
+        initial.wheel_speeds(robots[0].wheel_names),
     )
-    first = np.append(t[t < at], at)
-    second = np.insert(t[t > at], 0, at)
-    motion = free_floating(before, trajectory, first, start)
-    goes_on = BaseState(
-        motion.w[-1], motion.attitude[-1], motion.v_S[-1], motion.qd_rw[-1]
-    )
-    sooner = truth_of(before, motion, trajectory)
-    later = truth_of(
-        after, free_floating(after, trajectory, second, goes_on), trajectory
-    )
-    later = later._replace(
-        q_rw=later.q_rw + sooner.q_rw[-1], position=later.position + sooner.position[-1]
-    )
-    # The sample at the change itself is the last one before it.
-    last = len(first) if at in t else -1
+    parts, q_rw, position = list[Truth](), 0.0, 0.0
+    for robot, begin, end in zip(
+        robots, [-np.inf, *times], [*times, np.inf], strict=True
+    ):
+        # The sample at a change itself is the last one before it.
+        counts = (begin < t) & (t <= end)
+        ends = [x for x in (begin, end) if np.isfinite(x)]
+        nodes = np.union1d(t[counts], ends)
+        motion = free_floating(robot, trajectory, nodes, state)
+        truth = truth_of(robot, motion, trajectory)
+        truth = truth._replace(
+            q_rw=truth.q_rw + q_rw, position=truth.position + position
+        )
+        q_rw, position = truth.q_rw[-1], truth.position[-1]
+        state = BaseState(
+            motion.w[-1], motion.attitude[-1], motion.v_S[-1], motion.qd_rw[-1]
+        )
+        kept = np.isin(nodes, t[counts])
+        parts.append(Truth(*(None if x is None else x[kept] for x in truth)))
     return Truth(
         **{
-            name: np.concatenate([a[:last], b[1:]])
-            for name, a, b in zip(Truth._fields, sooner, later, strict=True)
-            if a is not None and b is not None
+            name: np.concatenate(every)
+            for name, every in zip(Truth._fields, zip(*parts, strict=True), strict=True)
+            if every[0] is not None
         }
     )

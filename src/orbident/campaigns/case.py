@@ -90,12 +90,10 @@ class Case:
     ) -> Draws:
         if given is None:
             return {}
-        keys = [f"{group}.{name}" for name in names]
-        # Sensors' noises have the streams without this beginning.
-        random = (stream(self.seed, f"disperse.{key}") for key in keys)
+        # Sensors' noises have the streams without "disperse.".
         return {
-            key: float(given.draw(each, 1)[0])
-            for key, each in zip(keys, random, strict=True)
+            key: float(given.draw(stream(self.seed, f"disperse.{key}"), 1)[0])
+            for key in (f"{group}.{name}" for name in names)
         }
 
     def _of(self, group: str) -> Draws:

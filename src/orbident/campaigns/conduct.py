@@ -88,9 +88,8 @@ def identified_by_method(
 
 def result_rows(case: Case, results: Mapping[str, Result]) -> list[Row]:
     """A row for each method: its numbers, and the true ones."""
-    sets = minimal_sets(case.subject.robot)
     # Of the formulas that an estimator is given, evaluated for the true bodies.
-    true, rows = sets.beta(case.robot.theta), []
+    true, rows = minimal_sets(case.subject.robot).beta(case.robot.theta), []
     for method, result in results.items():
         refused = (c.name for c in result.checks if c.level == "do not trust")
         row: Row = {
@@ -151,8 +150,12 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
         raise InputError(
             f"run {k}: the campaign has runs 0 to {campaign.spec.runs - 1}; give one"
         )
+    chunk = next(chunk for chunk in campaign.spec.chunks if k in chunk)
+    kept = None
     # Before anything is written: it may be refused.
-    kept = _kept(campaign, folder, k)
+    if path_of(folder, chunk).exists():
+        rows = read_chunk(campaign, folder, chunk, schema_of(campaign))
+        kept = rows.filter(pc.field("run") == k)
     case = campaign.case(k)
     recording = case.recording()
     place = folder / RERUN / str(k)
@@ -171,15 +174,6 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
         for method, result in results.items()
     }
     return Rerun(case, recording, path, explained, same)
-
-
-def _kept(campaign: Campaign, folder: Path, k: int) -> pa.Table | None:
-    """The rows that the campaign has of a run."""
-    chunk = next(chunk for chunk in campaign.spec.chunks if k in chunk)
-    if not path_of(folder, chunk).exists():
-        return None
-    kept = read_chunk(campaign, folder, chunk, schema_of(campaign))
-    return kept.filter(pc.field("run") == k)
 
 
 class Done(NamedTuple):

@@ -14,7 +14,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 from orbident.cli.streams import (
     accept_any_output,
@@ -120,23 +120,17 @@ def main() -> None:
         # A verb may also end by itself when it is interrupted, or fail for that reason.
         with suppress(KeyboardInterrupt), plain_warnings():
             ended = _run()
-        status = ended.status
         if interruption.by is not None:
-            _end_now(interruption.end(interruption.by))
-        elif ended.why:
+            status = interruption.end(interruption.by)
+            with suppress(OSError):
+                sys.stderr.flush()
+            # Without the rest of the output: where compiled code met the interrupt,
+            # Python would end by the signal itself; and what an interrupted write has
+            # left in a buffer would be written twice.
+            os._exit(status)
+        if ended.why:
             complain(ended.why)
-    sys.exit(status)
-
-
-def _end_now(status: int) -> NoReturn:
-    """End with this status, without the rest of the output.
-
-    Where compiled code met the interrupt, Python would end by the signal itself; and
-    what an interrupted write has left in a buffer would be written twice.
-    """
-    with suppress(OSError):
-        sys.stderr.flush()
-    os._exit(status)
+    sys.exit(ended.status)
 
 
 def _run() -> Ended:

@@ -76,8 +76,7 @@ def run(
         executors = local(workers or at_hand())
     else:
         executors = on_cluster(cluster, workers or 1)
-    file = load_spec(spec)
-    begun = begin(file, out, lambda robot: paper_case(robot).trajectory)
+    begun = begin(load_spec(spec), out, lambda robot: paper_case(robot).trajectory)
     with progress("campaign") as show:
         done = conduct(begun, out, executors, _Rate(show))
     unmade = _report(begun, out)

@@ -27,8 +27,7 @@ def compare(
     ] = None,
 ) -> None:
     """Find what a robot captured or let go between two RUNs."""
-    results = oi.load_result(before), oi.load_result(after)
-    comparison = oi.compare(*results, body)
+    comparison = oi.compare(oi.load_result(before), oi.load_result(after), body)
     output.warn(comparison.warnings)
     output.say(*_lines(comparison))
     output.write_json(comparison.to_json())

@@ -59,10 +59,9 @@ def _lines(file: Path, report: Any) -> list[Any]:
         )
         for topic in report.topics
     )
-    odd = [sentence for topic in report.topics for sentence in topic.sentences()]
     return [
         f"converted {file}: {report.samples} samples over {report.duration:g} s",
         table_of("", head, rows),
-        *odd,
+        *(sentence for topic in report.topics for sentence in topic.sentences()),
         f"written: {report.recording}",
     ]

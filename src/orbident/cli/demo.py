@@ -63,11 +63,11 @@ def demo(
     output.say(*summary(result, None, everything=False))
     if result.status == "rejected":
         raise typer.Exit(1)
-    cad = with_cad_values(result)
-    away = {"identified": flown.farthest(result), "CAD": flown.farthest(cad)}
+    both = {"identified": result, "CAD": with_cad_values(result)}
+    away = {name: flown.farthest(each) for name, each in both.items()}
     off = {
         name: float(np.degrees(study.turned_off(predict(each, flown.other))[-1]))
-        for name, each in (("identified", result), ("CAD", cad))
+        for name, each in both.items()
     }
     output.say(
         "",

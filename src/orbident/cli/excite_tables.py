@@ -158,10 +158,7 @@ def swinging(found: Any, robot: Any, at_rest: bool) -> list[Any]:
         for each in made["by_harmonics"]
     )
     beyond = made["beyond_limits"]
-    units = {
-        joint.name: "m" if joint.kind == "prismatic" else "rad"
-        for joint in robot.joints
-    }
+    units = {joint.name: joint.unit for joint in robot.joints}
     return [
         f"designed a motion of {found.duration:g} s and "
         f"{counted(len(found.joints), 'joint')}, beside which others swing",
@@ -196,7 +193,6 @@ def pulsed(found: Any) -> list[Any]:
         )
         cells = (Numeric(sum(on), ".4g"), Numeric(impulse, ".4g"))
         rows.append((name, str(len(on)), *cells))
-    table = table_of("", ("thruster", "pulses", "on (s)", "impulse (N s)"), rows)
     extremes = made["extremes"]
     base = (
         f"base: rate {_number(extremes['rate'])} rad/s, "
@@ -209,7 +205,7 @@ def pulsed(found: Any) -> list[Any]:
         f"geometric mean of the deviations: {_number(made['value'])}, the best of "
         f"{counted(made['starts'], 'random sequence')} (median "
         f"{_number(made['median_random_start'])}; {beyond} more broke a limit)",
-        table,
+        table_of("", ("thruster", "pulses", "on (s)", "impulse (N s)"), rows),
         "",
         "with nominal inertia and thrust, nothing else acting, without feedback:",
         base,

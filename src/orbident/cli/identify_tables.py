@@ -10,6 +10,7 @@ from orbident.cli.output import with_sign
 from orbident.data_table import DataTable, Numeric, TableRow
 from orbident.estimation.checks import VERDICTS
 from orbident.estimation.quantities import parameter_rows
+from orbident.files.names import counted
 from orbident.model.core_robot import IN_FORMULAS, geared_joints
 from orbident.model.formulas import named
 from orbident.report.parameter_section import (
@@ -42,7 +43,10 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
     head, *rest = result.summary()
     head = with_sign(head, VERDICTS[result.level])
     if result.status == "rejected":
-        return [head, *rest, *_left_out(result, everything), *written]
+        more = len({*result.warnings} - {*warnings_of(result, everything)})
+        checks = counted(more, "more check")
+        hidden = [f"{checks} failed: --all and --json show all"] if more else []
+        return [head, *rest, *hidden, *written]
     if everything:
         lines = [head, rest[0], *_everything(result), *_joints(result)]
         lines += [*_sensitivity(result), *budget_lines(result.budget())]
@@ -59,13 +63,6 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
     ]
-
-
-def _left_out(result: Any, everything: bool) -> list[str]:
-    """How many checks of a refused result are not printed, and where they are."""
-    more = len({*result.warnings} - {*warnings_of(result, everything)})
-    checks = "1 more check failed" if more == 1 else f"{more} more checks failed"
-    return [f"{checks}: --all and --json show all"] if more else []
 
 
 def warnings_of(result: Any, everything: bool) -> list[str]:
@@ -86,10 +83,8 @@ def _everything(result: Any) -> list[str]:
         lines += ["", title[0].lower() + title[1:], HEAD, *whole]
     if geared_joints(result.robot):
         lines += ["", IN_FORMULAS]
-    lines += _masses(result)
-    lines += _sensors(result)
-    lines += _calibration(result)
-    lines += _disturbances(result)
+    lines += [*_masses(result), *_sensors(result)]
+    lines += [*_calibration(result), *_disturbances(result)]
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
     )

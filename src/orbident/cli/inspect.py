@@ -70,7 +70,10 @@ def inspect(
             "values": values.tolist(),
         }
         if bound is not None:
-            document[name]["bound"] = _deviations(getattr(bound.parameters, name))
+            known = getattr(bound.parameters, name)
+            std = known.covariance.diagonal() ** 0.5
+            pairs = zip(std.tolist(), known.determined, strict=True)
+            document[name]["bound"] = [x if sure else None for x, sure in pairs]
     if budget is not None:
         document["budget"] = budget.to_json()
     if table is not None:
@@ -98,15 +101,6 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
     floats = not fires and not robot.passive
     table = proven(robot, motion.for_robot(robot)).base.table if floats else None
     return bound_of(robot, motion, initial_momentum), table
-
-
-def _deviations(known: Any) -> list[float | None]:
-    """Standard deviations; none where the trajectory does not tell."""
-    std = known.covariance.diagonal() ** 0.5
-    return [
-        float(value) if sure else None
-        for value, sure in zip(std, known.determined, strict=True)
-    ]
 
 
 def _robot(robot: Any, document: dict[str, Any]) -> list[str]:

@@ -1,7 +1,7 @@
 """`orbident noise REST`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -78,11 +78,7 @@ def noise(
         "",
         where,
     )
-    output.write_json({"axes": _document(found), "sensors": section})
-
-
-def _document(found: Any) -> dict[str, Any]:
-    return {
+    axes = {
         each.name: {
             "samples": each.model.samples,
             "left_out": each.left_out,
@@ -98,3 +94,4 @@ def _document(found: Any) -> dict[str, Any]:
         }
         for each in found
     }
+    output.write_json({"axes": axes, "sensors": section})

@@ -5,13 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from rich.tree import Tree
 
-from orbident.robot.description import (
-    NO_ROTOR,
-    Coupling,
-    Joint,
-    Robot,
-    Wheel,
-)
+from orbident.robot.description import NO_ROTOR, Coupling, Joint, Robot, Wheel
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
 from orbident.robot.urdf import roll_pitch_yaw
 
@@ -112,7 +106,7 @@ def _body_words(robot: Robot, body: int) -> str:
 
 
 def _joint_words(joint: Joint) -> str:
-    unit, way = ("rad", "about") if joint.kind == "revolute" else ("m", "along")
+    unit, way = joint.unit, "about" if joint.kind == "revolute" else "along"
     words = [f"{joint.kind} {way} {_vector(joint.axis)}, at {_vector(joint.p_PJ)} m"]
     turned = np.degrees(roll_pitch_yaw(joint.R_PJ))
     if np.abs(turned).max() > ROUNDING:

@@ -98,8 +98,7 @@ def study(
     with progress(f"study {name}") as show:
         done = run(noise, SeedRuns(seeds, seed, show, executors))
     if out is not None:
-        used_seed = seed if noisy else None
-        output.warn(_keep(done, name, out, force, used_seed))
+        output.warn(_keep(done, name, out, force, seed if noisy else None))
     if done.rejected:
         output.warn([f"{done.rejected} of {done.seeds} runs were refused"])
     if not done.trusted:

@@ -60,27 +60,23 @@ def topics(
     output.write_json(
         {
             "file": str(file),
-            "topics": _rows(surveyed),
+            "topics": [
+                {
+                    "topic": each.topic.name,
+                    "type": each.topic.type,
+                    "messages": each.topic.count,
+                    "rate": each.rate,
+                    "names": list(each.labels),
+                    "ranges": {name: list(x) for name, x in each.ranges.items()},
+                    "offset": each.offset,
+                    "drift": each.drift,
+                }
+                for each in surveyed
+            ],
             "map": proposal,
             "warnings": list(surveyed[0].notes),
         }
     )
-
-
-def _rows(surveyed: Any) -> list[dict[str, Any]]:
-    return [
-        {
-            "topic": each.topic.name,
-            "type": each.topic.type,
-            "messages": each.topic.count,
-            "rate": each.rate,
-            "names": list(each.labels),
-            "ranges": {name: list(x) for name, x in each.ranges.items()},
-            "offset": each.offset,
-            "drift": each.drift,
-        }
-        for each in surveyed
-    ]
 
 
 def _lines(surveyed: Any) -> list[str]:

@@ -4,42 +4,24 @@ Both are facts, since both were tried; what may be behind them stands after "per
 """
 
 from dataclasses import replace
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from orbident.diagnosis.shifts import without
 from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.estimation.changes import ANOTHER_ROBOT, changes_of, differing
 from orbident.estimation.checks import Check
-from orbident.estimation.linear_fits import InitialMomentum, rows_of
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.estimation.solve import ANOTHER_ROBOT, differing
-from orbident.estimation.triangular import fold
 from orbident.files.names import joined
-from orbident.model.core_robot import wheels_of
 
 HALVINGS = 4
 """How often the stretch of time in which the event may lie is halved."""
 
 FEWEST = 20
 """Samples of a part that may be identified for itself."""
-
-PARTS = 32
-"""Of a recording, between which the robot may have changed."""
-
-AROUND = 2
-"""So many of them before and after one are near it."""
-
-LEAVES = 0.1
-"""The most that two robots leave of the squares of Eqs. 24 and 31. Of 12 captures at
-random they left 0.015 at most, of good recordings 0.4 and more."""
-
-SHARP = 0.5
-"""The most that is left at a change of what is left at other times: a capture left 0.43
-at most, and good recordings 0.76 and more."""
 
 BY_PART = "identify the part that fits, or remove what acts"
 
@@ -115,50 +97,13 @@ def event(problem: MomentumProblem) -> Event | None:
 
 
 def plain_change(problem: MomentumProblem) -> list[Check]:
-    """A change of the robot that Eqs. 24 and 31 see, and parts of the recording show.
-
-    The time at which it changed is that which explains most if each part has parameters
-    of its own: then little is left of both equations, and far more at other times.
-    """
-    rows = problem.recording.t.size
-    if not problem.linear or rows != problem.samples.t.size or rows < PARTS * AROUND:
+    """A change of the robot, which is seen before the whole is fitted."""
+    changes = changes_of(problem)
+    if not changes:
         return []
-    edges = np.linspace(0, rows, PARTS + 1).astype(int)
-    left = _left_by_two(problem, edges)
-    k = AROUND + int(np.argmin(left[AROUND:-AROUND]))
-    elsewhere = np.abs(np.arange(len(edges)) - k) > AROUND
-    if left[k] > min(LEAVES, SHARP * left[elsewhere].min()):
-        return []
-    good, bad = edges[k - 1], edges[k + 1]
-    before = _part(problem, slice(good), problem.initial_momentum)
-    after = _part(problem, slice(bad, None), "unknown") if before.fits else before
-    if not after.fits or _same(before, after):
-        return []
-    t = problem.recording.t
-    event = _other_robot(f"between t = {t[good - 1]:.3g} and {t[bad]:.3g} s")
+    times = [f"between t = {each.onset:.4g} and {each.t:.4g} s" for each in changes]
+    event = _other_robot(joined(times))
     return [Check("cause", "do not trust", event.words(), event.remedy)]
-
-
-def _left_by_two(
-    problem: MomentumProblem, edges: Int[np.ndarray, " edges"]
-) -> Float[np.ndarray, " edges"]:
-    """The part that two robots, one after the other, leave of what one leaves.
-
-    It is the product of both equations' squares, by the edge between the two.
-    """
-    samples, wheels = problem.samples, wheels_of(problem.robot)
-    batch, regressors = samples.batch(0, samples.t.size), problem.sets.regressors
-    left = np.ones(len(edges))
-    for rows in rows_of(regressors, wheels, None, batch, samples.drift()):
-        parts = np.split(rows, edges[1:-1] * (len(rows) // samples.t.size))
-        start = np.zeros((rows.shape[1],) * 2)
-        before, after = (
-            np.array([R[-1, -1] for R in accumulate(each, fold, initial=start)])
-            for each in (parts, parts[::-1])
-        )
-        squares = before**2 + after[::-1] ** 2
-        left *= squares / squares[0] if squares[0] > 0 else 1.0
-    return left
 
 
 def _other_robot(at: str) -> Event:

@@ -1,24 +1,13 @@
-"""The estimate from a robot and a recording, beside what all its sensors show.
+"""The estimate from a robot and a recording, beside what all its sensors show."""
 
-Where the robot changes while it is recorded: when it did, and what it is after that. A
-filter that learns from CAD on takes its own errors for a change now and then. All
-samples between two changes, fitted at once by output error, know better: a change is
-one where the robots before and after it are not the same.
-"""
-
-from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache, partial
-
-import numpy as np
-from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.changes import changes_of
 from orbident.estimation.checks import Check
-from orbident.estimation.clock_search import MOST, Evidence, Fit, evidence, misfit
-from orbident.estimation.estimate import Change, Estimate, Estimator, Progress, Solved
+from orbident.estimation.clock_search import MOST, Evidence, evidence
+from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.levels import ChiSquare, Rule, chi_square, limit
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import (
     MomentumProblem,
@@ -28,164 +17,14 @@ from orbident.estimation.momentum_problem import (
 )
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.recursive.history import Recursive
-from orbident.estimation.residual_checks import residual_checks
 from orbident.estimation.widening import difference, widened
 from orbident.extras import provided
 from orbident.files.names import joined
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import KnownQuantities, Robot
-
-FEWEST = 100
-"""Samples of a part that output error is asked about: of fewer it learns little."""
-
-EARLIER = 30
-"""Samples before a change was found that may be after it: a filter that learns takes up
-some of a change before it sees the rest."""
-
-ANOTHER_ROBOT: Rule = "other parameters"
-"""Which test says that two parts are not of one robot."""
-
-
-def differing(one: Estimate, other: Estimate) -> ChiSquare:
-    """How far two estimates of the base parameters are apart, as a chi-square."""
-    a, b = one.parameters.base, other.parameters.base
-    both = np.flatnonzero(a.determined & b.determined)
-    # With their correlations: all may share a doubt about the scale.
-    C = (a.covariance + b.covariance)[np.ix_(both, both)]
-    return chi_square((a.values - b.values)[both], C)
-
-
-def _apart(before: Fit, after: Fit) -> ChiSquare:
-    """How far two parts are from being of one robot, as a chi-square.
-
-    The least cost of a short part may lie in a curved valley: its deviations hold what
-    is near, and not the robot that explains it nearly as well. So the later part is
-    fitted again beside what the earlier one says, and costs more by so much.
-    """
-    numbers = differing(before.shown, after.shown)
-    if not numbers.is_no_chance(ANOTHER_ROBOT):
-        return numbers
-    assert before.shown.shared is not None
-    said = before.shown.shared()
-    fit = OutputError(steps=FEW_STEPS, tested=False, others=said)
-    both = fit.estimate(after.problem, lambda _: None)
-    if not both.converged:
-        return numbers
-    equations = said.over(())
-    off = equations[:, :-1] @ both.parameters.base.values - equations[:, -1]
-    more = misfit(both) - misfit(after.shown) + float(off @ off)
-    return numbers._replace(value=min(numbers.value, max(more, 0.0)))
-
-
-def since_the_last_change(
-    problem: MomentumProblem, suspected: Sequence[Change], progress: Progress
-) -> tuple[tuple[Change, ...], Evidence]:
-    """The changes that output error confirms, and what it makes of all after the last.
-
-    There are none where one robot fits all that is left: what acts looks like a change,
-    too.
-
-    Args:
-        problem: of the whole recording.
-        suspected: by a filter, in their order.
-        progress: is called with the fraction of the work that is done.
-    """
-    confirmed, begin = list[Change](), -np.inf
-    between, t = cache(partial(_between, problem)), problem.recording.t
-    while not between(begin, np.inf):
-        progress(float(np.mean(t < begin)))
-        change = _next_change(between, _apart, t, begin, suspected)
-        if change is None:
-            break
-        confirmed.append(change)
-        begin = change.t
-    last = _cut(problem, begin, np.inf)
-    return tuple(confirmed), evidence(last, OutputError(), progress)
-
-
-def _next_change(
-    between: Callable[[float, float], Fit | None],
-    apart: Callable[[Fit, Fit], ChiSquare],
-    t: Float[np.ndarray, " rows"],
-    begin: float,
-    suspected: Sequence[Change],
-) -> Change | None:
-    """From when on it is another robot, for the first time after `begin`.
-
-    All alarms are tried in turn. Where none is at the change, it lies between the
-    longest part that is known to be of one robot and the shortest that is not: there
-    times are tried by bisection.
-
-    Args:
-        between: what fits the part between two times, s.
-        apart: how far two parts are from being of one robot.
-        t: of all samples, s.
-        begin: of the part, s.
-        suspected: by a filter, in their order.
-    """
-    doubt = EARLIER * float(np.median(np.diff(t)))
-    low, high, known = begin, float(t[-1]), None
-    alarms = [each for each in suspected if each.t > begin]
-    while alarms or (low > begin and high - low > doubt / 2):
-        middle = (low + high) / 2
-        tried = alarms.pop(0) if alarms else Change(middle, middle - doubt, 0.0, 0.0)
-        end = alarms[0].t - doubt if alarms else np.inf
-        if not low < tried.t < high:
-            continue
-        before = _alike(between(begin, tried.t - doubt), known)
-        if before:
-            low, known = tried.t, before
-            # A later alarm may be none: the whole rest tells most where it fits.
-            after = between(low, np.inf)
-            # The part up to the next alarm may end with samples of another robot. Where
-            # one robot fits up to the middle of it, none changed at this alarm.
-            if not after and not between(begin, (low + end) / 2):
-                after = _alike(between(low, end), before)
-            off = apart(before, after) if after else ChiSquare(0.0, 0)
-            if off.is_no_chance(ANOTHER_ROBOT):
-                over = off.value / limit(ANOTHER_ROBOT, off.dof)
-                return Change(low, tried.onset, over, 1 - off.p)
-        elif low > begin:
-            high = tried.t
-    return None
-
-
-def _alike(part: Fit | None, known: Fit | None) -> Fit | None:
-    """The part, or None where more acts in it than in a part known before.
-
-    A change of the robot shortly before a part ends may look like a torque or a force.
-    """
-    more = part and known and part.shown.acting - known.shown.acting
-    return None if more else part
-
-
-def _between(problem: MomentumProblem, begin: float, end: float) -> Fit | None:
-    """What fits the part between two times, s; None where nothing does soon."""
-    t = problem.recording.t
-    if np.count_nonzero((t >= begin) & (t <= end)) < FEWEST:
-        return None
-    try:
-        part = _cut(problem, begin, end)
-        on, shown = evidence(part, OutputError(steps=FEW_STEPS), lambda _: None)
-    except InputError:
-        return None
-    if shown is None or not shown.converged:
-        return None
-    good = all(x.level != "do not trust" for x in residual_checks(part, shown))
-    return Fit(on, shown) if good else None
-
-
-def _cut(problem: MomentumProblem, begin: float, end: float) -> MomentumProblem:
-    """The problem of the rows between two times, s."""
-    recording = problem.recording
-    # What was at rest was so before the first change.
-    first = begin < recording.t[0]
-    known = problem if first else replace(problem, initial_momentum="unknown")
-    return known.amended(recording=recording.between(begin, end))
 
 
 def solve(
@@ -306,28 +145,29 @@ def solved_by(
 def _in_parts(
     problem: MomentumProblem, estimator: Estimator, progress: Progress
 ) -> Solved | None:
-    """What is estimated where a filter finds changes; None where it finds none.
+    """What a filter estimates that is told when the robot changed; None for others.
 
-    Only those count that output error confirms, and it judges what holds since the
-    last of them.
+    One that learns from CAD on takes its own errors for a change now and then. Output
+    error judges what holds since the last change.
     """
     if not isinstance(estimator, Recursive) or not in_whole(problem):
         return None
-    found = estimator.estimate(problem, lambda _: None).history
-    if found is None or not found.changes:
-        return None
-    changes, last = since_the_last_change(problem, found.changes, progress)
-    if last.shown is None:
-        return None
+    changes, last = changes_of(problem), problem
     estimator = replace(estimator, changes=changes)
+    if changes:
+        # What was at rest was so before the first change.
+        later = problem.recording.between(start=changes[-1].t)
+        last = replace(problem, initial_momentum="unknown").amended(recording=later)
+    on, shown = evidence(last, OutputError(), progress)
+    if shown is None:
+        return None
     if not changes:
-        return solved_by(estimator, last.problem, last.shown, progress)
+        return solved_by(estimator, on, shown, progress)
     # The linear equations, too, are of one robot.
-    problem = replace(problem, known_fits=last.problem.fits)
+    problem = replace(problem, known_fits=on.fits)
     estimate = estimator.estimate(problem, lambda _: None)
-    off = difference(estimate.parameters.base, last.shown.parameters.base)
-    wider = widened(estimate, last.shown, whole=True)
-    return Solved(last.problem, [], wider, last.shown, off)
+    off = difference(estimate.parameters.base, shown.parameters.base)
+    return Solved(on, [], widened(estimate, shown, whole=True), shown, off)
 
 
 def in_whole(problem: MomentumProblem) -> bool:

@@ -93,10 +93,8 @@ def line_of(text: str, location: tuple[object, ...]) -> str:
 
 def _path(location: tuple[int | str, ...]) -> str:
     """`("wheels", 0, "axis")` as `wheels[0].axis`."""
-    path = ""
-    for key in location:
-        path += f"[{key}]" if isinstance(key, int) else f".{key}"
-    return path.removeprefix(".").removesuffix(".[key]")
+    keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in location)
+    return "".join(keys).removeprefix(".").removesuffix(".[key]")
 
 
 def _problem(detail: ErrorDetails) -> str:

@@ -26,10 +26,7 @@ from orbident.identified.single_body import (
     total,
 )
 from orbident.robot.description import Robot, Structure
-from orbident.robot.parameters import (
-    PER_BODY,
-    SYMBOLS,
-)
+from orbident.robot.parameters import PER_BODY, SYMBOLS
 
 
 @dataclass(frozen=True, repr=False)

@@ -101,9 +101,8 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         carries = name in robot.bodies
         theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
         m = theta_link[MASS]
-        com = theta_link[FIRST_MOMENT] / (m or 1.0)
         I = inertia_about_com(theta_link) if m else np.zeros((3, 3))
-        link.insert(0, inertial_element(m, com, I))
+        link.insert(0, inertial_element(m, theta_link[FIRST_MOMENT] / (m or 1.0), I))
     for joint in root.findall("joint"):
         if friction := robot.friction.get(joint.get("name", "")):
             dynamics = joint.find("dynamics")

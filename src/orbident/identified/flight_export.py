@@ -124,10 +124,9 @@ def _meaning(robot: Robot, kalman: Extended) -> list[str]:
 
 
 def _joint(joint: Joint) -> str:
-    turns = int(joint.kind == "revolute")
     parts = (joint.axis, joint.R_PJ, joint.p_PJ)
     numbers = ", ".join(f"{{{_reals(part)}}}" for part in parts)
-    return f"{{{joint.parent}, {turns}, {numbers}}}"
+    return f"{{{joint.parent}, {int(joint.kind == 'revolute')}, {numbers}}}"
 
 
 def _wheel(wheel: Wheel) -> str:
@@ -217,9 +216,8 @@ def export_flight(
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
     seen = filter_history(robot, kalman, detector, given, h_cm)
-    statistic = seen.tests[:, 2] / detector.threshold
     replayed = {"TIME": given.t, "SAMPLE": given.samples, "BETA": seen.beta}
-    replayed["STATISTIC"] = statistic
+    replayed["STATISTIC"] = seen.tests[:, 2] / detector.threshold
     golden = {name: table[:MOST] for name, table in replayed.items()}
     made = {
         "robot.h": robot_header(robot, kalman, detector),
@@ -259,8 +257,7 @@ def check_empty(folder: Path, force: bool = False) -> None:
 def _copied() -> Iterator[tuple[str, Path]]:
     """Where in the folder a file goes, and where it is."""
     for top in (SOURCES, SOURCES / "eigen"):
-        deep = "**/*" if top.name == "eigen" else "*"
-        for path in sorted(top.glob(deep)):
+        for path in sorted(top.glob("**/*" if top.name == "eigen" else "*")):
             if path.is_file():
                 yield str(path.relative_to(SOURCES)), path
     for name in sorted(_headers("orbident/flight.hpp", set())):

@@ -67,8 +67,7 @@ def parameters_as_latex(result: Result) -> str:
         for parameter, numbers, unit, _ in _parameters(getattr(result, name)):
             cells = [_rounded(x, numbers[1]) for x in numbers]
             unit = unit.replace(" ", r"\,").replace("^2", "$^2$")
-            row = [_symbol(parameter), *cells, unit]
-            lines.append(" & ".join(row) + r" \\")
+            lines.append(" & ".join([_symbol(parameter), *cells, unit]) + r" \\")
     return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
 
 

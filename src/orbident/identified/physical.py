@@ -156,8 +156,10 @@ def _equations(
     """
     known = (robot.structure.get(body, Structure()) for body in robot.bodies)
     exist = np.array([not each.massless for each in known])
-    theta_of_X = _theta_of_X(_nominal(robot, theta_with_rotors(robot) - apart))
-    theta_of_X = theta_of_X[:, np.repeat(exist, 16)]
+    size2 = sum(_second_moments(each).trace() for each in robot.theta) / robot.mass
+    bodies = theta_with_rotors(robot) - apart
+    nominal = np.array([_possible(each, robot.mass, size2) for each in bodies])
+    theta_of_X = _theta_of_X(nominal)[:, np.repeat(exist, 16)]
     zero = np.delete(np.eye(robot.theta.size), robot.free_parameters, axis=0)
     zero = zero[zero @ np.repeat(exist, PER_BODY) > 0]
     C = np.vstack([minimal_sets(robot).base.T, zero])
@@ -204,18 +206,10 @@ def _within_covariance(
     return None if found is None else (found, float(off.value))
 
 
-def _nominal(
-    robot: Robot, theta: Float[np.ndarray, "bodies 10"]
-) -> Float[np.ndarray, "bodies 4 4"]:
-    """Pseudo-inertias of the nominal bodies, or of what is just not impossible."""
-    total = sum(_second_moments(theta_i).trace() for theta_i in robot.theta)
-    size2 = total / robot.mass
-    return np.array([_possible(theta_i, robot.mass, size2) for theta_i in theta])
-
-
 def _possible(
     theta_i: Float[np.ndarray, "10"], total: float, size2: float
 ) -> Float[np.ndarray, "4 4"]:
+    """The pseudo-inertia of a nominal body, or of what is just not impossible."""
     m = max(theta_i[MASS], LIGHTEST * total)
     s = theta_i[FIRST_MOMENT] if theta_i[MASS] >= m else np.zeros(3)
     about_com = _second_moments(theta_i) - np.outer(s, s) / m

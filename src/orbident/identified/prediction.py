@@ -130,8 +130,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
         v_cm = (measured.v_S - v)[moving].mean(axis=0)
 
     joints = len(robot.joints)
-    history = np.hstack([measured.q, measured.qd, measured.qd_rw])
-    spline = CubicSpline(t, history)
+    spline = CubicSpline(t, np.hstack([measured.q, measured.qd, measured.qd_rw]))
 
     def law_at(nodes: Float[np.ndarray, " m"]) -> RateLaw:
         q, qd, qd_rw = np.split(spline(nodes), [joints, 2 * joints], axis=1)
@@ -303,10 +302,9 @@ def pose_errors(result: Result, recording: Recording) -> PoseErrors:
     clean = cleaned(robot, recording, Settings()).recording
     errors = {name: each.value for name, each in result.calibration.items()}
     late = corrections(result.clocks)
-    nominal = minimal_sets(robot).beta(robot.theta)
     return PoseErrors(
         _relative(robot, result.base.values, errors, clean, late),
-        _relative(robot, nominal, {}, clean, late),
+        _relative(robot, minimal_sets(robot).beta(robot.theta), {}, clean, late),
     )
 
 

@@ -129,8 +129,7 @@ def with_checksums(
         InputError: a file cannot be read.
     """
     there = [name for name in names if (folder / name).is_file()]
-    files = {name: sha256(folder / name) for name in there}
-    whole = {**document, FILES: files}
+    whole = {**document, FILES: {name: sha256(folder / name) for name in there}}
     return {**whole, OWN: _digest(whole)}
 
 

@@ -126,12 +126,11 @@ def _add_inertial(body: ET.Element, theta: Float[np.ndarray, "10"]) -> None:
     moments, axes = np.linalg.eigh(inertia_about_com(theta))
     # The largest of a thin disc is the sum of the others, but for rounding.
     moments[2] = min(moments[2], moments[0] + moments[1])
-    x = Rotation.from_matrix(axes * np.linalg.det(axes)).as_quat()
     ET.SubElement(
         body,
         "inertial",
         pos=spaced(theta[FIRST_MOMENT] / theta[MASS]),
-        quat=_scalar_first(x),
+        quat=_scalar_first(Rotation.from_matrix(axes * np.linalg.det(axes)).as_quat()),
         mass=spaced([theta[MASS]]),
         diaginertia=spaced(moments),
     )
@@ -163,27 +162,22 @@ def sdf(robot: Mechanism) -> str:
         link = ET.SubElement(model, "link", name=name)
         _add(link, "pose", [*p[k], *roll_pitch_yaw(R[k])])
         ET.SubElement(link, "gravity").text = "false"
-        _add_mass(link, robot.theta[k])
+        theta, inertial = robot.theta[k], ET.SubElement(link, "inertial")
+        _add(inertial, "pose", [*(theta[FIRST_MOMENT] / theta[MASS]), 0, 0, 0])
+        _add(inertial, "mass", [theta[MASS]])
+        inertia, I = ET.SubElement(inertial, "inertia"), inertia_about_com(theta)
+        for a, b in INERTIA_ENTRIES:
+            _add(inertia, f"i{'xyz'[a]}{'xyz'[b]}", [I[a, b]])
     # Links, joints and frames share their names.
     taken = [*robot.bodies]
     for joint, child in zip(robot.joints, robot.bodies[1:], strict=True):
         taken.append(unused(joint.name, taken))
-        parent = robot.bodies[joint.parent]
-        _add_joint(model, taken[-1], joint, parent, child)
+        _add_joint(model, taken[-1], joint, robot.bodies[joint.parent], child)
     name = unused(FEATURE_POINT, taken)
     S = ET.SubElement(model, "frame", name=name, attached_to=robot.bodies[0])
     _add(S, "pose", [*robot.feature_point, 0, 0, 0])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
-
-
-def _add_mass(link: ET.Element, theta: Float[np.ndarray, "10"]) -> None:
-    inertial = ET.SubElement(link, "inertial")
-    _add(inertial, "pose", [*(theta[FIRST_MOMENT] / theta[MASS]), 0, 0, 0])
-    _add(inertial, "mass", [theta[MASS]])
-    inertia, I = ET.SubElement(inertial, "inertia"), inertia_about_com(theta)
-    for a, b in INERTIA_ENTRIES:
-        _add(inertia, f"i{'xyz'[a]}{'xyz'[b]}", [I[a, b]])
 
 
 def _add_joint(
@@ -324,10 +318,9 @@ def pinocchio_model(result: Result) -> Any:
     root = pin.JointModelPlanar() if robot.motion == "planar" else free
     moving = [model.addJoint(0, root, pin.SE3.Identity(), "root_joint")]
     for joint in robot.joints:
-        turns = joint.kind == "revolute"
         kind = (
             pin.JointModelRevoluteUnaligned
-            if turns
+            if joint.kind == "revolute"
             else pin.JointModelPrismaticUnaligned
         )
         at = pin.SE3(joint.R_PJ, joint.p_PJ)

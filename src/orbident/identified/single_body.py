@@ -77,10 +77,9 @@ def _fit(difference: Difference, robot: Robot, i: int) -> Explanation:
     WX = W @ X @ V
     inverse = np.linalg.pinv(WX)
     G = V @ inverse
-    known = np.outer(alone, alone)
     theta, covariance = np.full(PER_BODY, np.nan), np.full((PER_BODY, PER_BODY), np.nan)
     theta[free] = np.where(alone, G @ W @ d, np.nan)
-    covariance[np.ix_(free, free)] = np.where(known, G @ G.T, np.nan)
+    covariance[np.ix_(free, free)] = np.where(np.outer(alone, alone), G @ G.T, np.nan)
     residual = W @ d - WX @ (inverse @ W @ d)
     return Explanation(
         body=robot.bodies[i],

@@ -206,9 +206,8 @@ def _of_poses(result: Result, recording: Recording) -> Validation:
 
 def _compared(result: Result, own: Result, scores: Validation) -> Validation:
     """Compare the base parameters that both determine."""
-    sets = minimal_sets(result.robot)
     both = np.isfinite(result.base.values) & np.isfinite(own.base.values)
-    exact = exact_std(result.robot, sets)[both]
+    exact = exact_std(result.robot, minimal_sets(result.robot))[both]
     C = (result.base_covariance + own.base_covariance)[np.ix_(both, both)]
     d = (own.base.values - result.base.values)[both]
     C += np.diag(exact**2)

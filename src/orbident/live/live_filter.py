@@ -75,8 +75,7 @@ def tools_of(robot: Robot, dt: float, velocity_std: float | None) -> Tools:
     window = max(Detector.window, round(ONSET / max(dt, 1 / RATE)))
     detector = Detector(kalman.rows, window=window, samples=PER_ALARM)
     opening, prior = factor_of(cad_covariance(robot, UNCERTAINTY)), cad_prior(robot)
-    table = robot_header(robot, kalman, detector)
-    mark = hashlib.sha256(table.encode()).hexdigest()
+    mark = hashlib.sha256(robot_header(robot, kalman, detector).encode()).hexdigest()
     return Tools(dt, kalman, prior, opening, detector, mark)
 
 

@@ -252,7 +252,6 @@ class Session:
         """The first document: names, formulas, and what is believed beforehand."""
         prior = cad_prior(self._robot)
         base = formulas_of(self._robot, minimal_sets(self._robot)).base
-        std = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
         resumed = self._filter.estimate()
         return {
             "event": "start",
@@ -260,7 +259,7 @@ class Session:
             "names": list(base.names),
             "formulas": list(base.formulas),
             "beta": prior.beta.tolist(),
-            "std": std.tolist(),
+            "std": np.linalg.norm(np.linalg.inv(prior.root), axis=1).tolist(),
             "resumed_at": None if resumed is None else resumed.t,
         }
 

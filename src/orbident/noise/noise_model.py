@@ -142,8 +142,7 @@ def _most_likely(
     """
     limits = likelihood.limits
     start = min(starts, key=likelihood.of_ratios)
-    found = minimize(likelihood.of_ratios, start, method="L-BFGS-B", bounds=limits)
-    best = found.x
+    best = minimize(likelihood.of_ratios, start, method="L-BFGS-B", bounds=limits).x
     low, high = np.transpose(limits)
     high = np.where(likelihood.times, high, np.inf)
     return None if np.minimum(best - low, high - best).min() < AT_A_LIMIT else best
@@ -175,8 +174,7 @@ class _Likelihood:
         self, logs: Float[np.ndarray, " names"]
     ) -> tuple[float, Float[np.ndarray, " n"]]:
         v, S, misfit = self._innovations(logs - self._in_units)
-        size = float(np.sum(v**2 / S))
-        return misfit + size, v / np.sqrt(S)
+        return misfit + float(np.sum(v**2 / S)), v / np.sqrt(S)
 
     @property
     def _in_units(self) -> Float[np.ndarray, " names"]:

@@ -276,7 +276,11 @@ def point_velocity(
         InputError: a column has too few samples.
     """
     if recording.has_vector("velocity"):
-        return PointVelocity(_measured(recording, delays["position"]), Origin.MEASURED)
+        columns = tuple(recording.columns[name] for name in vector_columns("velocity"))
+        if late := delays["position"]:
+            t, label = recording.t, f"{recording.source}: velocity"
+            columns = tuple(at_times(t, each, t + late, label) for each in columns)
+        return PointVelocity(columns, Origin.MEASURED)
     if recording.has_vector("position"):
         at = recording.t + delays["position"]
         label = f"{recording.source}: position"
@@ -291,14 +295,6 @@ def point_velocity(
         if recording.has_vector(sensor):
             return _felt(recording, np.column_stack(x_WB), sensor, how)
     return PointVelocity((), Origin.MISSING)
-
-
-def _measured(recording: Recording, late: float) -> Columns:
-    columns = tuple(recording.columns[name] for name in vector_columns("velocity"))
-    if not late:
-        return columns
-    t, label = recording.t, f"{recording.source}: velocity"
-    return tuple(at_times(t, column, t + late, label) for column in columns)
 
 
 def _felt(
@@ -319,8 +315,7 @@ def momentum_noise(
     robot: Robot, speeds: Sequence[RateNoise]
 ) -> Float[np.ndarray, "3 wheels"]:
     """A root of the covariance of `h_rw`, N m s, by what is white in wheels' speeds."""
-    white = [each.white for each in speeds]
-    return wheels_of(robot).A_rw * np.array(white or 0.0)
+    return wheels_of(robot).A_rw * np.array([each.white for each in speeds] or 0.0)
 
 
 def declared_rate_noise(robot: Robot) -> float:

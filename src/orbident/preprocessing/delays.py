@@ -10,7 +10,7 @@ and misalignment `E`, which would pass for a delay, and the delay `l`. It is rep
 with what was found.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -186,8 +186,7 @@ def attitude_delay(
             return None
         R_then = Rotation.from_quat(CubicSpline(t[known], x[known])(then[usable]))
         error = Rotation.from_quat(fixes[usable]) * R_then.inv()
-        shown = rate(t[known]) - bias
-        gyro = gyro_response(t[known], x[known], shown)
+        gyro = gyro_response(t[known], x[known], rate(t[known]) - bias)
         B = CubicSpline(t[known], gyro)(then[usable])
         w_then = R_then.apply(rate(then[usable]) - bias)
         found = _solve(error.as_rotvec(), B, w_then)
@@ -291,7 +290,7 @@ def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:
     gyro, attitude = vector_columns("gyro"), vector_columns("attitude")
     if not recording.has(*gyro, *attitude):
         return {}
-    seen = _seen([recording.column(name) for name in gyro])
+    seen = np.logical_and.reduce([~np.isnan(recording.column(name)) for name in gyro])
     rows = _middle(seen & _unbroken(recording.t, seen), MOST)
     w, fixes = (
         np.column_stack([recording.column(name)[rows] for name in names])
@@ -316,11 +315,6 @@ def clocks_in_words(clocks: Mapping[str, Delay]) -> tuple[str, ...]:
     )
 
 
-def _seen(columns: Sequence[Float[np.ndarray, " n"]]) -> Bool[np.ndarray, " n"]:
-    """Rows on which all have a sample."""
-    return np.logical_and.reduce([~np.isnan(column) for column in columns])
-
-
 def _unbroken(
     t: Float[np.ndarray, " n"], seen: Bool[np.ndarray, " n"]
 ) -> Bool[np.ndarray, " n"]:
@@ -337,10 +331,6 @@ def _unbroken(
 def _middle(seen: Bool[np.ndarray, " n"], most: int) -> slice:
     """Rows in the middle, of which at most so many are seen."""
     rows = np.flatnonzero(seen)
-    inner = rows[_inner(rows.size, most)]
+    start = max(rows.size - most, 0) // 2
+    inner = rows[start : start + most]
     return slice(inner[0], inner[-1] + 1) if inner.size else np.s_[:]
-
-
-def _inner(count: int, most: int) -> slice:
-    start = max(count - most, 0) // 2
-    return slice(start, start + most)

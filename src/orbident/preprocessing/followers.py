@@ -107,8 +107,7 @@ def _together(
         apart = apart[np.isfinite(apart)]
         if apart.size >= FEWEST:
             noise = max(white_std(apart), np.hypot(1, coupling.factor) * declared)
-            off = apart - np.median(apart)
-            if np.sqrt(np.mean(off**2)) > ALIKE * noise:
+            if np.sqrt(np.mean((apart - np.median(apart)) ** 2)) > ALIKE * noise:
                 continue
         yield coupling, apart
 

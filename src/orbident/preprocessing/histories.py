@@ -314,8 +314,7 @@ class Range(NamedTuple):
 
     def ends(self, k: int) -> list[float] | None:
         """The least and the largest value of column `k`; None without a sample."""
-        both = [float(self.low[k]), float(self.high[k])]
-        return both if self.samples[k] else None
+        return [float(self.low[k]), float(self.high[k])] if self.samples[k] else None
 
 
 def held_joints(robot: Robot, q: Range, qd: Range, dt: float) -> dict[str, float]:

@@ -42,7 +42,11 @@ def jumps_of(
     seen = np.flatnonzero(np.isfinite(x).all(axis=1))
     if seen.size < 4 * HALF:
         return []
-    step, slope = _filters()
+    k = np.arange(-HALF, HALF) + 0.5
+    powers = np.vander(k / HALF, DEGREE + 1, increasing=True)
+    by = np.linalg.pinv(np.column_stack([powers, k > 0]))
+    # That of the step at the middle of so many samples, and of the slope there.
+    step, slope = by[-1], by[1] / HALF
     shown, dt = x[seen], float(np.median(np.diff(t[seen])))
     found = np.array([np.correlate(axis, step, "valid") for axis in shown.T]).T
     slopes = np.array([np.correlate(axis, slope, "valid") for axis in shown.T]).T / dt
@@ -55,11 +59,3 @@ def jumps_of(
         Jump(sensor, int(seen[k + HALF]), size[k] / scatter, found[k], slopes[k])
         for k in sorted(far, key=lambda k: -size[k])
     ]
-
-
-def _filters() -> tuple[np.ndarray, np.ndarray]:
-    """That of the step at the middle of so many samples, and of the slope there."""
-    k = np.arange(-HALF, HALF) + 0.5
-    powers = np.vander(k / HALF, DEGREE + 1, increasing=True)
-    by = np.linalg.pinv(np.column_stack([powers, k > 0]))
-    return by[-1], by[1] / HALF

@@ -59,8 +59,7 @@ def low_pass(
             f"{name}: cut-off {cut_off:g} Hz; give one between 0 and {rate / 2:g} Hz, "
             "half the sampling rate"
         )
-    ends = smooth(t, x, at=t[[0, -1]], name=name)
-    return filtered(x, ends, rate, cut_off)
+    return filtered(x, smooth(t, x, at=t[[0, -1]], name=name), rate, cut_off)
 
 
 def filtered(
@@ -88,8 +87,7 @@ def filtered(
     after = 2 * ends.x[1] - x[-2 : -pad - 2 : -1] + ends.acceleration[1] * s**2
     continued = np.concatenate([before[::-1], x, after])
     sections = butter(ORDER, cut_off, fs=rate, output="sos")
-    result = sosfiltfilt(sections, continued, axis=0, padlen=0)
-    return result[pad:-pad]
+    return sosfiltfilt(sections, continued, axis=0, padlen=0)[pad:-pad]
 
 
 def require_even(
@@ -205,7 +203,9 @@ def choose_cut_off(
     residual, left, passed = np.empty((3, TRIED))
     for k, cut_off in enumerate(cut_offs):
         y = filtered(x[:, None], ends, rate, float(cut_off))[:, 0]
-        gain = _gain(f, float(cut_off), rate)
+        # There and back; the bilinear transform bends frequencies.
+        bent = np.tan(np.pi * np.minimum(f / rate, 0.4999))
+        gain = 1 / (1 + (bent / np.tan(np.pi * cut_off / rate)) ** (2 * ORDER))
         residual[k] = np.mean((x - y) ** 2)
         left[k], passed[k] = np.mean((1 - gain) ** 2), np.mean(2 * gain - 1)
     best = TRIED - 1
@@ -226,12 +226,6 @@ def choose_cut_off(
         # An estimate of something small may be negative.
         error=np.sqrt(np.maximum(residual + noise * passed, 0.0)),
     )
-
-
-def _gain(f: np.ndarray, cut_off: float, rate: float) -> Float[np.ndarray, " lines"]:
-    """The filter's gain there and back; the bilinear transform bends frequencies."""
-    bent = np.tan(np.pi * np.minimum(f / rate, 0.4999)) / np.tan(np.pi * cut_off / rate)
-    return 1 / (1 + bent ** (2 * ORDER))
 
 
 def _spectrum(

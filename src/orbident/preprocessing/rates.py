@@ -62,10 +62,9 @@ def fill(
     """
 
     def filled(column: np.ndarray, label: str) -> np.ndarray:
-        spline = _spline(t, column, label)
         gaps = np.isnan(column)
         result = column.copy()
-        result[gaps] = spline(t[gaps])
+        result[gaps] = _spline(t, column, label)(t[gaps])
         return result
 
     return _by_column(x, name, filled)

@@ -136,9 +136,8 @@ def smooth(
     """
     _check_times(t, name)
     fits = fits_of(t, x, std, name) if fits is None else fits
-    noise_std = np.array([fit.noise_std for fit in fits])
     found = _smoothed(_core.smooth_columns, t, x, at, name, fits)
-    return Smoothed(*found, noise_std=noise_std)
+    return Smoothed(*found, noise_std=np.array([fit.noise_std for fit in fits]))
 
 
 def smooth_rates(
@@ -251,7 +250,11 @@ def most_likely(column: Column, std: float | None) -> Roughness:
         column: samples, any unit.
         std: of the measurement noise, in the unit of the column; None if unknown.
     """
-    fit = _searched(column, std)
+    t, x = _stretches(column)
+    # Samples are no better than their last bit, even of a joint that stands still.
+    bit = np.finfo(np.float64).eps * max(np.abs(column.x).max(), SMALLEST)
+    samples = (t.tobytes(), x.tobytes(), len(t))
+    fit = Roughness(*_likeliest(*samples, bit, std), column.h, column.offset)
     reach = fit.ratio ** (-1 / (2 * ORDER))
     if column.t.size <= STRETCHES * STRETCH or reach < SLOW:
         return fit
@@ -266,15 +269,6 @@ def _averaged(column: Column) -> Column:
     h = AVERAGED * column.h
     close = np.ptp(t, axis=1) < 2 * h
     return Column(t[close].mean(axis=1), x[close].mean(axis=1), h, column.offset)
-
-
-def _searched(column: Column, std: float | None) -> Roughness:
-    """On the samples as they are."""
-    t, x = _stretches(column)
-    # Samples are no better than their last bit, even of a joint that stands still.
-    bit = np.finfo(np.float64).eps * max(np.abs(column.x).max(), SMALLEST)
-    samples = (t.tobytes(), x.tobytes(), len(t))
-    return Roughness(*_likeliest(*samples, bit, std), column.h, column.offset)
 
 
 @lru_cache(REMEMBERED)

@@ -66,8 +66,7 @@ class KeptPieces:
         file.seek(0)
         for n, width in self._shapes:
             t = np.frombuffer(file.read(8 * n))
-            samples = np.frombuffer(file.read(8 * n * width))
-            yield Piece(t, samples.reshape(n, width))
+            yield Piece(t, np.frombuffer(file.read(8 * n * width)).reshape(n, width))
 
 
 def _without_name() -> IO[bytes] | None:

@@ -221,11 +221,9 @@ def _of_torquers(robot: Robot, recording: Recording) -> Iterator[RecordedWrench]
 
 def _of_thrusters(robot: Robot, recording: Recording) -> Iterator[RecordedWrench]:
     for thruster in robot.thrusters:
-        newton = _newton(thruster, recording)
-        force = np.outer(newton, thruster.direction)
-        arm = thruster.position - robot.feature_point
         name = f"thruster.{thruster.name}"
-        torque = np.cross(arm, force)
+        force = np.outer(_newton(thruster, recording), thruster.direction)
+        torque = np.cross(thruster.position - robot.feature_point, force)
         none = np.zeros_like(force)
         yield RecordedWrench(name, thruster.gain, force, torque, none, valve=True)
 

@@ -40,10 +40,9 @@ def columns_of_mujoco(
             "floats on a free joint, and nothing else"
         )
     x, v = (int(at[free[0]]) for at in (model.jnt_qposadr, model.jnt_dofadr))
-    # MuJoCo's quaternions have the scalar first.
-    attitude = np.roll(qpos[:, x + 3 : x + 7], -1, axis=1)
     moved = qpos[:, x : x + 3], qvel[:, v : v + 3], qvel[:, v + 3 : v + 6]
-    columns = _of_base(robot, attitude, *moved)
+    # MuJoCo's quaternions have the scalar first.
+    columns = _of_base(robot, np.roll(qpos[:, x + 3 : x + 7], -1, axis=1), *moved)
     joints = (model.joint(k) for k in range(model.njnt))
     places = {joint.name: joint.id for joint in joints if joint.name}
     measured = [name for name in robot.joint_names if name not in robot.passive]

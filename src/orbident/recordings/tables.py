@@ -214,8 +214,7 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
     path = Path(path)
     with _readable(path):
         columns = read_csv(path) if _is_csv(path) else read_parquet(path)
-    t = columns.pop("t")
-    return Recording(t=t, columns=columns, source=str(path))
+    return Recording(t=columns.pop("t"), columns=columns, source=str(path))
 
 
 @contextmanager
@@ -261,7 +260,12 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     """
     path = Path(path)
     _check_suffix(path)
-    write_blocks(path, ("t", *recording.columns), _blocks(recording))
+    columns = (recording.t, *recording.columns.values())
+    blocks = (
+        np.column_stack([column[start : start + _BLOCK_ROWS] for column in columns])
+        for start in range(0, recording.t.size, _BLOCK_ROWS)
+    )
+    write_blocks(path, ("t", *recording.columns), blocks)
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -280,10 +284,3 @@ def _check_suffix(path: Path) -> None:
             f"{path}: the name of a recording ends in {' or '.join(SUFFIXES)}; give "
             "such a file, which 'orbident convert' makes of others"
         )
-
-
-def _blocks(recording: Recording) -> Iterator[np.ndarray]:
-    columns = (recording.t, *recording.columns.values())
-    for start in range(0, recording.t.size, _BLOCK_ROWS):
-        rows = slice(start, start + _BLOCK_ROWS)
-        yield np.column_stack([column[rows] for column in columns])

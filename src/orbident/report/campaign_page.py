@@ -97,9 +97,8 @@ def write_campaign_report(campaign: Campaign, folder: Path) -> Path:
         InputError: a file of the folder is damaged, or it cannot be written.
         MissingLibraryError: plotly is not installed.
     """
-    rows = read_rows(campaign, folder)
     path = folder / REPORT
-    write_text(path, campaign_report(campaign, folder, rows))
+    write_text(path, campaign_report(campaign, folder, read_rows(campaign, folder)))
     return path
 
 
@@ -108,12 +107,11 @@ def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
     found = method_statistics(rows)
     bounds = {subject.name: _bounds(subject) for subject in campaign.subjects}
     checks = tuple(_check(group) for group in found)
-    runs = campaign.spec.runs
     made = len(set(rows["run"].to_pylist()))
     failures = list(failed_runs(folder))
     return page(
         title=f"Campaign: {folder.resolve().name}",
-        subtitle=f"{made} of {runs} runs made, {len(failures)} failed, "
+        subtitle=f"{made} of {campaign.spec.runs} runs made, {len(failures)} failed, "
         f"entropy {campaign.spec.entropy}",
         verdict=Verdict(worst(checks), "", checks, ()),
         sections=[
@@ -134,8 +132,7 @@ def _bounds(subject: Subject) -> Bounds:
         found = bound_of(subject.robot, subject.trajectory).parameters
     except InputError:
         return {}
-    sets = minimal_sets(subject.robot)
-    names = formulas_of(subject.robot, sets).base.names
+    names = formulas_of(subject.robot, minimal_sets(subject.robot)).base.names
     variances = np.where(found.base.determined, np.diag(found.base.covariance), np.nan)
     return dict(zip(names, map(float, np.sqrt(variances)), strict=True))
 

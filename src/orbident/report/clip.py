@@ -124,7 +124,11 @@ class _Stage:
         axes.set_ylim(low[1] - room, high[1] + room)
         self._drawn = PolyCollection([], antialiaseds=False, linewidths=0)
         axes.add_collection(self._drawn)
-        self._legend()
+        for row, (words, colour, _) in enumerate(reversed(self._actors)):
+            r, g, b = colour or BASE
+            y, look = 0.96 - 0.05 * row, (r / 255, g / 255, b / 255)
+            self._drawing.text(0.02, y, "\N{BLACK SQUARE}", color=look, va="center")
+            self._drawing.text(0.05, y, words, va="center")
         self._time = self._drawing.text(0.98, 0.96, "", ha="right", va="center")
 
     def _ends(self) -> Float[np.ndarray, "2 2"]:
@@ -137,20 +141,14 @@ class _Stage:
                 high = np.maximum(high, seen.max(axis=0))
         return np.array([low, high])
 
-    def _legend(self) -> None:
-        for row, (words, colour, _) in enumerate(reversed(self._actors)):
-            r, g, b = colour or BASE
-            y, look = 0.96 - 0.05 * row, (r / 255, g / 255, b / 255)
-            self._drawing.text(0.02, y, "\N{BLACK SQUARE}", color=look, va="center")
-            self._drawing.text(0.05, y, words, va="center")
-
     def picture(self, k: int, words: str) -> Image.Image:
         """The frame `k`, with these words."""
         triangles, colours = [], []
         for actor in self._actors:
             seen = self._seen(actor, k)
             order = np.argsort(seen[..., 2].mean(axis=1))
-            light = self._colours(actor.colour) * _light(seen)[:, None]
+            painted = [[actor.colour or own] * len(f) for _, own, f in self._shapes]
+            light = np.vstack(painted) / 255 * _light(seen)[:, None]
             triangles.append(seen[order, :, :2])
             colours.append(light[order])
         self._drawn.set(verts=np.vstack(triangles), facecolor=np.vstack(colours))
@@ -169,10 +167,6 @@ class _Stage:
             for frame, _, faces in self._shapes
         )
         return np.vstack([*seen])
-
-    def _colours(self, ghost: Colour | None) -> Float[np.ndarray, "faces 3"]:
-        colours = ([ghost or own] * len(faces) for _, own, faces in self._shapes)
-        return np.vstack([*colours]) / 255
 
 
 def split(

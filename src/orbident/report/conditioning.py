@@ -143,13 +143,12 @@ def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[DataTable]:
 
 
 def _joint(joint: Joint, moved: Mapping[str, Any]) -> tuple[str, ...]:
-    unit = "rad" if joint.kind == "revolute" else "m"
     return (
         joint.name,
-        f"{_range(moved['position'])} {unit}",
-        NONE if joint.position is None else f"{_range(joint.position)} {unit}",
-        f"{short(moved['rate'])} {unit}/s",
-        NONE if joint.velocity is None else f"{short(joint.velocity)} {unit}/s",
+        f"{_range(moved['position'])} {joint.unit}",
+        NONE if joint.position is None else f"{_range(joint.position)} {joint.unit}",
+        f"{short(moved['rate'])} {joint.unit}/s",
+        NONE if joint.velocity is None else f"{short(joint.velocity)} {joint.unit}/s",
     )
 
 

@@ -95,7 +95,11 @@ def charts_of(signal: Signal) -> Iterator[Chart]:
         yield Chart(f"{name}-signal", title, _signal(signal), first=True, panels=axes)
         axes = ()
     title = f"{name}: residuals"
-    residual = _residual(signal)
+    over_time = [
+        Panel(label, [history(signal.t, e, ERROR)], band=NINETY_FIVE * signal.std)
+        for label, e in zip(axis_labels(signal), residuals(signal).T, strict=True)
+    ]
+    residual = stacked(over_time, "t (s)")
     yield Chart(f"{name}-residual", title, residual, first=not whole, panels=axes)
     yield Chart(f"{name}-spectrum", f"{name}: spectrum of residuals", _spectrum(signal))
     yield Chart(f"{name}-lags", f"{name}: whiteness of residuals", _lags(signal))
@@ -126,14 +130,6 @@ def _signal(signal: Signal) -> Figure:
     return stacked(panels, "t (s)")
 
 
-def _residual(signal: Signal) -> Figure:
-    panels = [
-        Panel(label, [history(signal.t, e, ERROR)], band=NINETY_FIVE * signal.std)
-        for label, e in zip(axis_labels(signal), residuals(signal).T, strict=True)
-    ]
-    return stacked(panels, "t (s)")
-
-
 def _spectrum(signal: Signal) -> Figure:
     panels = []
     step = float(np.median(np.diff(signal.t)))
@@ -141,8 +137,7 @@ def _spectrum(signal: Signal) -> Figure:
     f = np.zeros(0)
     for label, e in zip(axis_labels(signal), residuals(signal).T, strict=True):
         f, density = spectrum(signal.t, e)
-        ends = f[[0, -1]]
-        white = line(ends, np.full(2, level), LIMIT)
+        white = line(f[[0, -1]], np.full(2, level), LIMIT)
         of_root = label.replace(")", "/√Hz)")
         y = decades(density, np.array([level]))
         panels.append(Panel(of_root, [line(f, density, ERROR), white], y=y))

@@ -192,8 +192,7 @@ def _table(
         for k, (cells, *_) in zip(which, parameter_rows(found, which), strict=True)
     )
     before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
-    head = (*before, known_as, *after)
-    return DataTable(title, head, tuple(rows), folded=folded)
+    return DataTable(title, (*before, known_as, *after), tuple(rows), folded=folded)
 
 
 def _in_words(found: EstimatedSet, k: int) -> str:

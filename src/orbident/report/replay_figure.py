@@ -70,9 +70,8 @@ def _faces(shapes: list[Shape]) -> dict[str, Any]:
     """Which vertices make a face, and of which colour."""
     first = np.cumsum([0, *(len(shape.vertices) for shape in shapes[:-1])])
     faces = np.vstack([s.faces + k for s, k in zip(shapes, first, strict=True)])
-    colours = [f"rgb{s.colour}" for s in shapes for _ in s.faces]
     corners = {name: numbers(faces[:, k], "<i4") for k, name in enumerate("ijk")}
-    return {**corners, "facecolor": colours}
+    return {**corners, "facecolor": [f"rgb{s.colour}" for s in shapes for _ in s.faces]}
 
 
 def _at(points: Float[np.ndarray, "v 3"]) -> dict[str, Any]:

@@ -23,14 +23,7 @@ from orbident.report.convergence_section import (
     recursion,
 )
 from orbident.report.fit import fits
-from orbident.report.page import (
-    NONE,
-    Section,
-    page,
-    report_text,
-    short,
-    verdict_of,
-)
+from orbident.report.page import NONE, Section, page, report_text, short, verdict_of
 from orbident.report.parameter_section import (
     masses,
     parameters,
@@ -43,12 +36,23 @@ from orbident.report.replay_figure import replay_sections
 def provenance(result: Result) -> Section:
     """Settings, input, signals, versions."""
     origins = ((name.replace("_", " "), how) for name, how in result.origins.items())
-    head, clocks = ("sensor", "behind", "± std", "corrected"), _clocks(result)
+    clocks = (
+        (
+            sensor,
+            *(f"{short(1e3 * x, 2)} ms" for x in (delay.late, delay.std)),
+            "yes" if delay.believed else "no",
+        )
+        for sensor, delay in result.clocks.items()
+    )
+    left_out = (
+        (column, ", ".join(f"{count} {reason}" for reason, count in reasons.items()))
+        for column, reasons in result.rejected.items()
+    )
     tables = [
         table_of("Settings", ("", "value"), _settings(result), in_words=True),
         table_of("How signals were obtained", ("signal", "origin"), origins, True),
-        table_of("Clocks", head, clocks),
-        table_of("Left out", ("column", "samples"), _left_out(result), in_words=True),
+        table_of("Clocks", ("sensor", "behind", "± std", "corrected"), clocks),
+        table_of("Left out", ("column", "samples"), left_out, in_words=True),
     ]
     return Section(
         name="provenance",
@@ -60,10 +64,9 @@ def provenance(result: Result) -> Section:
 def references(result: Result) -> Section:
     """References of the methods that were used."""
     ways = {way for origin in result.origins.values() for way in origin.split("; ")}
-    smoothed = any(WORDS[each] in ways for each in SMOOTHED)
     known = yaml.safe_load(report_text("references.yaml"))
     words = [known["first"], *known["by_method"].get(result.method, ())]
-    if smoothed:
+    if any(WORDS[each] in ways for each in SMOOTHED):
         words.append(known["where_smoothed"])
     return Section("references", "References", (*words, known["last"]))
 
@@ -86,18 +89,6 @@ def _settings(result: Result) -> Iterator[tuple[str, ...]]:
     yield "computing time", f"{short(result.elapsed_s)} s"
     for name, version in result.versions.items():
         yield f"{name}, version", version
-
-
-def _clocks(result: Result) -> Iterator[tuple[str, ...]]:
-    for sensor, delay in result.clocks.items():
-        late, std = (f"{short(1e3 * x, 2)} ms" for x in (delay.late, delay.std))
-        yield sensor, late, std, "yes" if delay.believed else "no"
-
-
-def _left_out(result: Result) -> Iterator[tuple[str, ...]]:
-    for column, reasons in result.rejected.items():
-        words = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
-        yield column, words
 
 
 def read_validation(path: Path) -> Section | None:

@@ -32,8 +32,7 @@ def _inertia(value: object) -> dict[str, float]:
         value = dict(zip(MOMENTS, value, strict=True))
     if not isinstance(value, dict) or not set(MOMENTS) <= set(value):
         raise WrongValueError("give [xx, yy, zz] or {xx: .., yy: .., zz: .., xy: ..}")
-    unknown = set(value) - {*MOMENTS, *PRODUCTS}
-    if unknown:
+    if set(value) - {*MOMENTS, *PRODUCTS}:
         raise WrongValueError(f"give {', '.join((*MOMENTS, *PRODUCTS))} only")
     return {name: quantity(each, "inertia") for name, each in value.items()}
 

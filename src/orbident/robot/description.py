@@ -75,6 +75,11 @@ class Joint:
     velocity: float | None = None
     """Limit of the rate, rad/s or m/s."""
 
+    @property
+    def unit(self) -> str:
+        """Of its position, SI."""
+        return "rad" if self.kind == "revolute" else "m"
+
     def within(self, far: float) -> tuple[float, float]:
         """Its limits, rad or m; where there is no stop, a place so far beyond zero.
 

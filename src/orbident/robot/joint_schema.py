@@ -11,7 +11,6 @@ from jaxtyping import Float
 from pydantic import BeforeValidator
 
 from orbident.errors import InputError
-from orbident.files.bounds import SMALLEST
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
 from orbident.robot.description import (
@@ -25,7 +24,7 @@ from orbident.robot.description import (
     Structure,
 )
 from orbident.robot.tolerances import EVERY
-from orbident.robot.units import CONSTANT_OF_A_MOTOR, quantity
+from orbident.robot.units import CONSTANT_OF_A_MOTOR, positive_of
 from orbident.robot.urdf import Urdf
 
 
@@ -267,16 +266,10 @@ FrictionSection = dict[Name, Annotated[Friction, keys_of(Friction)]]
 """As a robot file has it: friction by joint."""
 
 
-def _above_zero(value: object) -> float:
-    constant = quantity(value, CONSTANT_OF_A_MOTOR)
-    if constant < SMALLEST:
-        raise WrongValueError(
-            "give a torque constant above zero; negate currents of the other sign"
-        )
-    return constant
-
-
-TorqueConstants = dict[Name, Annotated[float, BeforeValidator(_above_zero)]]
+_CONSTANT = positive_of(
+    CONSTANT_OF_A_MOTOR, "torque constant", "; negate currents of the other sign"
+)
+TorqueConstants = dict[Name, Annotated[float, _CONSTANT]]
 """The torque constants of a robot file, by joint, N m/A or N/A."""
 
 

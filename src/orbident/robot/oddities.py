@@ -53,7 +53,13 @@ def nonphysical(
             f"the smallest is negative{_slipped(I_com)}"
         )
     elif a + b < c - ROUNDING * largest:
-        faults.append(_broken_triangle(link, a, b, c) + _slipped(I_com))
+        # Six digits may hide a small violation: "1 + 2 < 3".
+        digits = 6 if f"{a + b:.6g}" != f"{c:.6g}" else 12
+        x, y, z = (f"{value:.{digits}g}" for value in (a, b, c))
+        faults.append(
+            f"link '{link}': principal moments {x}, {y}, {z} kg m^2 violate "
+            f"the triangle inequality ({x} + {y} < {z}){_slipped(I_com)}"
+        )
     return tuple(faults)
 
 
@@ -78,16 +84,6 @@ def _slips(I_com: Float[np.ndarray, "3 3"]) -> Iterator[str]:
                     break
 
 
-def _broken_triangle(link: str, a: float, b: float, c: float) -> str:
-    # Six digits may hide a small violation: "1 + 2 < 3".
-    digits = 6 if f"{a + b:.6g}" != f"{c:.6g}" else 12
-    x, y, z = (f"{value:.{digits}g}" for value in (a, b, c))
-    return (
-        f"link '{link}': principal moments {x}, {y}, {z} kg m^2 violate "
-        f"the triangle inequality ({x} + {y} < {z})"
-    )
-
-
 def _numbers(*values: float) -> str:
     return ", ".join(f"{value:.6g}" for value in values)
 
@@ -95,7 +91,7 @@ def _numbers(*values: float) -> str:
 TOLERANCE = 1e-6
 """Relative to the length of the first moment, and to the trace of the inertia."""
 
-_PRODUCTS = ("Ixy", "Ixz", "Iyz")
+_PRODUCTS = [SYMBOLS.index(name) for name in ("Ixy", "Ixz", "Iyz")]
 
 
 def contradictions(
@@ -116,31 +112,22 @@ def contradictions(
                 f"structure: {body}: massless, but it is the base or has a nominal "
                 "mass or inertia; leave out one"
             )
-        if known.com_on_axis is not None and _com_off_axis(theta_i, known):
-            com = theta_i[FIRST_MOMENT] / (theta_i[MASS] or 1.0)
+        s = theta_i[FIRST_MOMENT]
+        off_axis = np.linalg.norm(s[[axis != known.com_on_axis for axis in "xyz"]])
+        if known.com_on_axis is not None and off_axis > TOLERANCE * np.linalg.norm(s):
+            com = s / (theta_i[MASS] or 1.0)
             warnings.append(
                 f"structure: {body}: com_on_axis: {known.com_on_axis}, but the nominal "
                 f"CM is at [{_numbers(*com)}] m"
             )
-        if known.principal_axes and _has_products(theta_i):
-            products = np.array([theta_i[SYMBOLS.index(name)] for name in _PRODUCTS])
+        trace = np.trace(inertia_matrix(theta_i))
+        products = theta_i[_PRODUCTS]
+        if known.principal_axes and np.abs(products).max() > TOLERANCE * abs(trace):
             warnings.append(
                 f"structure: {body}: principal_axes, but the nominal products of "
                 f"inertia are [{_numbers(*products)}] kg m^2 (xy, xz, yz)"
             )
     return tuple(warnings)
-
-
-def _com_off_axis(theta_i: Float[np.ndarray, "10"], known: Structure) -> bool:
-    s = theta_i[FIRST_MOMENT]
-    off_axis = [axis != known.com_on_axis for axis in "xyz"]
-    return bool(np.linalg.norm(s[off_axis]) > TOLERANCE * np.linalg.norm(s))
-
-
-def _has_products(theta_i: Float[np.ndarray, "10"]) -> bool:
-    I = inertia_matrix(theta_i)
-    largest = np.abs(I - np.diag(np.diag(I))).max()
-    return bool(largest > TOLERANCE * abs(np.trace(I)))
 
 
 FAR = 10.0
@@ -212,8 +199,7 @@ def _left_by_an_exporter(robot: Robot) -> Iterator[str]:
         (float(np.linalg.norm(joint.p_PJ)) for joint, _ in moving.values()), default=0.0
     )
     for name, (_, theta) in moving.items():
-        about_com = inertia_about_com(theta)
-        size = np.sqrt(np.trace(about_com) / 2 / theta[MASS])
+        size = np.sqrt(np.trace(inertia_about_com(theta)) / 2 / theta[MASS])
         com = float(np.linalg.norm(theta[FIRST_MOMENT])) / theta[MASS]
         if size > LARGE * max(longest, com) > 0:
             yield (

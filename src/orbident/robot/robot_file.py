@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,7 @@ from orbident.files.schema_parts import read_yaml_mapping, validated
 from orbident.files.text import read_text, refuse_pipe
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
-from orbident.robot.description import (
-    DAMPING_STD,
-    NO_FRICTION,
-    NO_ROTOR,
-    Joint,
-    Robot,
-    Wheel,
-)
+from orbident.robot.description import DAMPING_STD, NO_FRICTION, NO_ROTOR, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, LinkTree, fused, link_tree, wheel_on_joint
 from orbident.robot.joint_schema import (
@@ -36,7 +30,7 @@ from orbident.robot.joint_schema import (
     with_flexible_joints,
 )
 from orbident.robot.oddities import contradictions, nonphysical
-from orbident.robot.schema import BODIES, LimitEntry, RobotFile
+from orbident.robot.schema import BODIES, RobotFile
 from orbident.robot.tolerances import EVERY
 from orbident.robot.urdf import Urdf
 from orbident.robot.urdf_reader import read_urdf
@@ -69,6 +63,8 @@ def assembled(
         raise InputError(
             f"{urdf.place}: no link has mass; give nominal values in <inertial>"
         )
+    links = (tree.links[name] for name in bodies.placements)
+    faults = [nonphysical(each.name, each.mass, each.I_file) for each in links]
     names = [joint.name for joint in bodies.joints]
     # That no motor has a gear may be said without names.
     none = file.rotors == {EVERY: NO_ROTOR}
@@ -88,7 +84,12 @@ def assembled(
         name=file.name or urdf.name,
         motion=file.motion,
         bodies=bodies.names,
-        joints=_limited(bodies.joints, file.limits),
+        joints=tuple(
+            replace(joint, **file.limits[joint.name].model_dump(exclude_none=True))
+            if joint.name in file.limits
+            else joint
+            for joint in bodies.joints
+        ),
         theta=bodies.theta,
         feature_point=np.array(file.feature_point),
         couplings=couplings,
@@ -121,7 +122,7 @@ def assembled(
         warnings=(
             *urdf.warnings,
             *_on_a_table(urdf, file),
-            *_nonphysical_links(tree, bodies),
+            *chain.from_iterable(faults),
             *wheel_warnings,
             *uncoupled,
             *proposed_rotors(urdf, bodies.joints, rotors),
@@ -165,17 +166,6 @@ def _wheels(
     return tuple(wheels), warnings
 
 
-def _limited(
-    joints: tuple[Joint, ...], limits: dict[str, LimitEntry]
-) -> tuple[Joint, ...]:
-    return tuple(
-        replace(joint, **limits[joint.name].model_dump(exclude_none=True))
-        if joint.name in limits
-        else joint
-        for joint in joints
-    )
-
-
 def _check_names(
     file: RobotFile, rotors: Collection[str], bodies: Bodies, place: str
 ) -> None:
@@ -203,14 +193,6 @@ def _check_names(
                         f"{place}: {section}: no {one} {name!r}; "
                         + suggestion(name, known, several)
                     )
-
-
-def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:
-    return [
-        fault
-        for name in bodies.placements
-        for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_file)
-    ]
 
 
 _SCHEMA = "orbident/robot/1"
@@ -248,7 +230,10 @@ def load_robot(source: str | Path | Mapping[str, Any]) -> Robot:
         refuse_pipe(path, "the robot")
         suffix = path.suffix.lower()
         if suffix in SUFFIXES:
-            return _from_model(path)
+            urdf, text = read_model(path)
+            document = {"schema": _SCHEMA, "name": urdf.name, "urdf": path.name}
+            file = validated(RobotFile, document, str(path))
+            return assembled(file, document, urdf, text, str(path))
         if suffix not in _YAML:
             raise InputError(_not_a_robot(path))
         text = read_text(path)
@@ -306,8 +291,7 @@ def load_written_robot(folder: Path) -> Robot:
     """
     path = folder / "robot.yaml"
     document = read_yaml_mapping(read_text(path), str(path), _SCHEMA)
-    named = [document.get(key) for key in BODIES if key in document]
-    if named != ["robot.urdf"]:
+    if [document.get(key) for key in BODIES if key in document] != ["robot.urdf"]:
         raise InputError(
             f"{path}: names another file than robot.urdf, which Orbident writes; give "
             "a folder as it was written"
@@ -317,13 +301,6 @@ def load_written_robot(folder: Path) -> Robot:
 
 def _library() -> Path:
     return Path(str(files("orbident.robot") / "library"))
-
-
-def _from_model(path: Path) -> Robot:
-    urdf, text = read_model(path)
-    document = {"schema": _SCHEMA, "name": urdf.name, "urdf": path.name}
-    file = validated(RobotFile, document, str(path))
-    return assembled(file, document, urdf, text, str(path))
 
 
 def _described(document: dict[Any, Any], path: Path, place: str, read: str) -> Robot:
@@ -360,8 +337,7 @@ def _not_a_robot(path: Path) -> str:
         return f"found {str(path)[:40]!r}..., which is no path; give {kinds}"
     if path.is_dir():
         inside = path / "robot.yaml"
-        hint = inside if inside.is_file() else kinds
-        return f"{path}: is a folder; give {hint}"
+        return f"{path}: is a folder; give {inside if inside.is_file() else kinds}"
     if path.is_file():
         known = ", ".join((*sorted(_YAML), *SUFFIXES))
         return f"{path}: unknown type of file; known ones: {known}"

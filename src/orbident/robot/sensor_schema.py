@@ -274,9 +274,8 @@ class TrackerSpec(Sampled):
     @property
     def coloured(self) -> Coloured:
         """What lasts of the noise, by axis."""
-        none = (0.0, 0.0, 0.0)
         std, time, walk = (
-            np.array(each or none)
+            np.array(each or (0.0, 0.0, 0.0))
             for each in (self.markov_std, self.correlation_time, self.random_walk)
         )
         return Coloured(std, np.where(std > 0, time, 1.0), walk)

@@ -250,11 +250,13 @@ def per_axis(dimension: str, *, above_zero: bool = False) -> BeforeValidator:
     return BeforeValidator(in_si)
 
 
-def _above_zero(dimension: str, words: str) -> BeforeValidator:
+def positive_of(dimension: str, words: str, more: str = "") -> BeforeValidator:
+    """Reads a quantity above zero, in SI; the words say what it is."""
+
     def in_si(value: object) -> float:
         number = quantity(value, dimension)
         if number < SMALLEST:
-            raise WrongValueError(f"give a {words} above zero")
+            raise WrongValueError(f"give a {words} above zero{more}")
         return number
 
     return BeforeValidator(in_si)
@@ -270,8 +272,8 @@ def _lasting(value: object) -> float:
     return number
 
 
-Rate = Annotated[float, _above_zero("frequency", "rate")]
-Damping = Annotated[float, _above_zero("share", "damping, such as 0.5 %,")]
+Rate = Annotated[float, positive_of("frequency", "rate")]
+Damping = Annotated[float, positive_of("share", "damping, such as 0.5 %,")]
 Lasting = Annotated[float, BeforeValidator(_lasting)]
 Time = Annotated[float, measure_of("time")]
 Angle = Annotated[float, measure_of("angle")]

@@ -152,8 +152,7 @@ def _joint(joint: UrdfJoint) -> ET.Element:
 
 def _transmission(joint: str, gear: float) -> ET.Element:
     element = ET.Element("transmission", name=f"{joint}_transmission")
-    kind = "transmission_interface/SimpleTransmission"
-    ET.SubElement(element, "type").text = kind
+    ET.SubElement(element, "type").text = "transmission_interface/SimpleTransmission"
     ET.SubElement(element, "joint", name=joint)
     actuator = ET.SubElement(element, "actuator", name=f"{joint}_motor")
     ET.SubElement(actuator, "mechanicalReduction").text = repr(gear)

@@ -114,7 +114,10 @@ def write_mcap(
         start = _nanoseconds(t_0 - shift)
         _write_once(log, result, start)
         for k, (name, motion) in enumerate(motions.items()):
-            _write_static(log, result.robot, name, start)
+            base = _frame(name, result.robot.bodies[0])
+            at = result.robot.feature_point, UNTURNED
+            S = _transform(start, base, _frame(name, FEATURE_FRAME), *at)
+            log.write("/tf_static", message("tf2_msgs/TFMessage", [S]), start)
             moved = motion._replace(t=motion.t - shift)
             for done in _write_motion(log, result.robot, name, moved):
                 progress((k + done) / len(motions))
@@ -144,13 +147,6 @@ def _write_once(log: MessageLog, result: Result, start: int) -> None:
     ]
     estimates = message("diagnostic_msgs/DiagnosticArray", _header(start), statuses)
     log.write("/estimates", estimates, start)
-
-
-def _write_static(log: MessageLog, robot: Robot, name: str, start: int) -> None:
-    base = _frame(name, robot.bodies[0])
-    at = robot.feature_point, UNTURNED
-    S = _transform(start, base, _frame(name, FEATURE_FRAME), *at)
-    log.write("/tf_static", message("tf2_msgs/TFMessage", [S]), start)
 
 
 def _write_motion(

@@ -103,11 +103,10 @@ def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMoment
     momentum along x and y.
     """
     at, R_WB = inertia(robot, motion.q), quaternion_matrix(motion.x_WB)
-    h_rs = rotate(at.D, motion.w) + rotate(at.D_q, motion.qd)
     v_cm_S = np.cross(motion.w, at.r_cm) + rotate(at.J_cm, motion.qd)
     found = CentroidalMomentum(
         r_cm=motion.r_S + rotate(R_WB, at.r_cm),
-        h_rs=rotate(R_WB, h_rs),
+        h_rs=rotate(R_WB, rotate(at.D, motion.w) + rotate(at.D_q, motion.qd)),
         h_rw=rotate(R_WB, motion.qd_rw @ wheels_of(robot).A_rw.T),
         p=robot.mass * (motion.v_S + rotate(R_WB, v_cm_S)),
     )
@@ -137,11 +136,10 @@ def inertia_ellipsoids(robot: Robot, motion: MotionHistory) -> InertiaEllipsoids
     _, R = np.linalg.eigh(at.D)
     # For a rotation: eigenvectors may be left-handed.
     R[..., 0] *= np.linalg.det(R)[:, None]
-    squares = _squared_lengths(robot, motion.q, R)
     return InertiaEllipsoids(
         R_WB @ R,
         motion.r_S + rotate(R_WB, at.r_cm),
-        np.sqrt(np.maximum(squares, 0.0)),
+        np.sqrt(np.maximum(_squared_lengths(robot, motion.q, R), 0.0)),
     )
 
 
@@ -300,7 +298,10 @@ def _measured(
         v_S = straight(t, t[batch.moving], batch.v_S[batch.moving])
         r_S = cumulative_trapezoid(v_S, t, axis=0, initial=0)
     else:
-        r_S, v_S = _about_resting_cm(robot, batch)
+        # About a CM that rests at the origin (Eq. 28).
+        at, R_WB = inertia(robot, batch.q), quaternion_matrix(batch.x_WB)
+        v_cm_S = np.cross(batch.w, at.r_cm) + rotate(at.J_cm, batch.qd)
+        r_S, v_S = -rotate(R_WB, at.r_cm), -rotate(R_WB, v_cm_S)
     if recording.has_vector("position"):
         position = recording.vector("position")
         seen = np.isfinite(position).all(axis=1)
@@ -309,15 +310,6 @@ def _measured(
     return MotionHistory(
         t, batch.q, batch.qd, batch.x_WB, batch.w, r_S, v_S, batch.qd_rw
     )
-
-
-def _about_resting_cm(
-    robot: Robot, batch: Batch
-) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
-    """Position and velocity of S about a CM that rests at the origin (Eq. 28)."""
-    at, R_WB = inertia(robot, batch.q), quaternion_matrix(batch.x_WB)
-    v_cm_S = np.cross(batch.w, at.r_cm) + rotate(at.J_cm, batch.qd)
-    return -rotate(R_WB, at.r_cm), -rotate(R_WB, v_cm_S)
 
 
 NODES = 9

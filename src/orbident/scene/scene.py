@@ -90,7 +90,10 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
         else:
             same = [abs(w.axis @ wheel.axis) > 0.99 for w in robot.wheels[:k]]
             p[k], radius = _outside(base, wheel, sum(map(bool, same)))
-            shapes += _disc(frame, radius)
+            disc = cylinder(radius, 0.4 * radius, WHEEL)
+            # A bar across the disc shows that it turns.
+            bar = box(np.array([1.8, 0.35, 0.5]) * radius, MARK)
+            shapes += [shape._replace(frame=frame) for shape in (disc, bar)]
     shapes += [shape for shape in shown if shape.frame < len(robot.bodies)]
     return Scene(robot, tuple(shapes), R, p, size, missing, refusal)
 
@@ -123,13 +126,6 @@ def _outside(
     radius = DISC * float(half.min())
     side = float(((base - centre) @ wheel.axis).max())
     return centre + wheel.axis * (side + (0.3 + 0.6 * before) * radius), radius
-
-
-def _disc(frame: int, radius: float) -> list[Shape]:
-    disc = cylinder(radius, 0.4 * radius, WHEEL)
-    # A bar across the disc shows that it turns.
-    bar = box(np.array([1.8, 0.35, 0.5]) * radius, MARK)
-    return [shape._replace(frame=frame) for shape in (disc, bar)]
 
 
 def robot_size(robot: Robot) -> float:

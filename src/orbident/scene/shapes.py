@@ -280,10 +280,13 @@ class _ShapeReader(NamedTuple):
             return None
         try:
             made = self._geometry(geometry, self._colour(element.find("material")))
-            placed = None if made is None else _placed(made, element.find("origin"))
+            origin = element.find("origin")
+            if made is None or origin is None:
+                return made
+            rpy, xyz = (_numbers(origin.get(name), 3, 0.0) for name in ("rpy", "xyz"))
+            return made.moved(0, rotation_of(rpy), xyz)
         except InputError:
             return None
-        return placed
 
     def _geometry(self, geometry: ET.Element, colour: Colour) -> Shape | None:
         def lengths(name: str, count: int) -> Float[np.ndarray, " n"]:
@@ -321,13 +324,6 @@ class _ShapeReader(NamedTuple):
             return BASE
         r, g, b, _ = np.clip(255 * _numbers(colour.get("rgba"), 4), 0, 255)
         return round(r), round(g), round(b)
-
-
-def _placed(shape: Shape, origin: ET.Element | None) -> Shape:
-    if origin is None:
-        return shape
-    rpy, xyz = (_numbers(origin.get(name), 3, 0.0) for name in ("rpy", "xyz"))
-    return shape.moved(0, rotation_of(rpy), xyz)
 
 
 def _numbers(

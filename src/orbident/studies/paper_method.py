@@ -53,8 +53,7 @@ class Filters:
         """
         if name not in self.cut_offs:
             self.cut_offs[name] = choose_cut_off(t, x, name=name)
-        cut_off = self.cut_offs[name].frequency
-        return low_pass(t, x[:, None], cut_off, name=name)[:, 0]
+        return low_pass(t, x[:, None], self.cut_offs[name].frequency, name=name)[:, 0]
 
     def with_rate(
         self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str

@@ -84,8 +84,7 @@ class ParameterRow:
     def to_json(self) -> dict[str, Any]:
         """As `study --json` gives it."""
         numbers = {**vars(self), "error_percent": self.error_percent}
-        del numbers["name"]
-        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
+        return {k: x if k == "name" else nulled(x) for k, x in numbers.items()}
 
 
 @dataclass(frozen=True)
@@ -137,8 +136,7 @@ def planar_robot() -> Robot:
 def planar_trajectory(robot: Robot) -> Trajectory:
     """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
     speeds = dict.fromkeys(robot.wheel_names, PLANAR_WHEEL_SPEED)
-    initial = InitialState(wheel_speed=speeds)
-    return _exciting(robot, PLANAR_DURATION, "5", initial)
+    return _exciting(robot, PLANAR_DURATION, "5", InitialState(wheel_speed=speeds))
 
 
 def _exciting(

@@ -119,8 +119,7 @@ def measured_record(robot: Robot, flight: FreeFlying, seed: int) -> Recording:
 def _thrust(flight: FreeFlying) -> dict[str, Float[np.ndarray, " n"]]:
     """What the valves were told: it is known, not measured."""
     names = *vector_columns("force"), *vector_columns("torque")
-    vectors = np.hstack([flight.force, flight.torque])
-    return dict(zip(names, vectors.T, strict=True))
+    return dict(zip(names, np.hstack([flight.force, flight.torque]).T, strict=True))
 
 
 SPIN_UP = 10.0

@@ -200,12 +200,11 @@ def run_planar(
         name: _method(reading, table, part)
         for (name, reading), part in zip(first.readings.items(), parts, strict=True)
     }
-    main = next(iter(methods.values()))
     return PlanarStudy(
         methods=methods,
         mass=_weighed(first, table, over[:, -2:]),
         condition_number={
-            **condition_in_basis(table.basis, main.result),
+            **condition_in_basis(table.basis, next(iter(methods.values())).result),
             "Y_paper": paper_tables.PLANAR_CONDITION,
         },
         trajectory=trajectory,
@@ -280,7 +279,6 @@ def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
     identification = Measured(run.records.identification, reading.identification)
     validation = Measured(run.records.validation, reading.validation)
     rate, moved, velocity = _predicted(reading.result, validation)
-    place = _position(identification.raw)
     thrust = {f"force {k} (N)": burn.column(f"force.{k}") for k in "xy"}
     return {
         "fig06": PaperFigure(
@@ -289,7 +287,7 @@ def planar_figures(robot: Robot, run: PlanarRun) -> dict[str, PaperFigure]:
         "fig07": PaperFigure("Measured base angle and rate", _base(identification)),
         "fig08": PaperFigure(
             "Measured position and velocity of S",
-            place | _velocity(identification.ready),
+            _position(identification.raw) | _velocity(identification.ready),
         ),
         "fig09": PaperFigure("Translation of S in the burn", _position(burn) | thrust),
         "fig10": PaperFigure(
@@ -339,8 +337,7 @@ def _base(seen: Measured) -> dict[str, Column]:
 
 
 def _position(raw: Recording) -> dict[str, Column]:
-    position = {f"S {k} (m)": raw.column(f"position.{k}") for k in "xy"}
-    return {"t (s)": raw.t, **position}
+    return {"t (s)": raw.t} | {f"S {k} (m)": raw.column(f"position.{k}") for k in "xy"}
 
 
 def _velocity(ready: Recording) -> dict[str, Column]:

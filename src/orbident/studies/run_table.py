@@ -37,11 +37,7 @@ from orbident.studies.paper_method import (
     judged,
     paper_fits,
 )
-from orbident.studies.paper_tables import (
-    ParameterRow,
-    planar_robot,
-    planar_trajectory,
-)
+from orbident.studies.paper_tables import ParameterRow, planar_robot, planar_trajectory
 from orbident.studies.planar import FOLLOWING, measured_record
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory

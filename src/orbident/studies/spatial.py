@@ -238,11 +238,10 @@ def _rows(
         **paper_tables.SPATIAL_TRUE,
         "M": (None, None, paper_tables.SPATIAL_MASS_ERROR),
     }
-    columns = table.true, table.found(result), *over
     return tuple(
         PaperRow(name, true, with_noise if noisy else exact, *map(float, numbers))
         for (name, (true, exact, with_noise)), *numbers in zip(
-            printed.items(), *columns, strict=True
+            printed.items(), table.true, table.found(result), *over, strict=True
         )
     )
 
@@ -274,8 +273,7 @@ class _NoisyMotion(NamedTuple):
         recording = measure_truth(self.robot, self.t, self.true, seed)
         if self.method != "paper":
             return recording, self.identified(recording)
-        initial = self.trajectory.initial
-        ready = from_imu(self.robot, recording, initial, self.filters)
+        ready = from_imu(self.robot, recording, self.trajectory.initial, self.filters)
         return recording, self.identified(ready)
 
     def identified(self, recording: Recording) -> Result:

@@ -65,7 +65,14 @@ def _spatial(done: SpatialStudy) -> StudyAccount:
         )
     tables = [_beside_paper(f"Parameters: {UNITS}", done.rows)]
     if done.by_sensor:
-        tables.append(_by_sensor(done))
+        sets = np.array([row.name.partition("_")[0] for row in done.rows])
+        rows = (
+            (sensor, *(_percent(np.max(rms[sets == k])) for k in ("pi", "phi", "M")))
+            for sensor, rms in done.by_sensor.items()
+        )
+        head = "sensor", "worst pi (%)", "worst phi (%)", "M (%)"
+        title = "RMS error by the noise of one sensor alone"
+        tables.append(table_of(title, head, rows))
     condition = done.condition_number
     conditions = f"Y {condition['Y']:.1f}, W {condition['W']:.2f}"
     below = f"condition numbers in the paper's basis: {conditions}"
@@ -235,16 +242,6 @@ def _percent(number: float) -> Numeric:
 def _printed(number: float | None, form: str) -> tuple[Cell]:
     """A number of the paper; nothing where it prints none."""
     return ("",) if number is None else (Numeric(number, form),)
-
-
-def _by_sensor(done: SpatialStudy) -> DataTable:
-    sets = np.array([row.name.partition("_")[0] for row in done.rows])
-    rows = (
-        (sensor, *(_percent(np.max(rms[sets == k])) for k in ("pi", "phi", "M")))
-        for sensor, rms in done.by_sensor.items()
-    )
-    head = "sensor", "worst pi (%)", "worst phi (%)", "M (%)"
-    return table_of("RMS error by the noise of one sensor alone", head, rows)
 
 
 def _with_table6(row: PaperRow) -> PaperRow:

@@ -67,8 +67,7 @@ class LivePage:
     def _answer(self, request: BaseHTTPRequestHandler, gate: Gate) -> None:
         hosts = request.headers.get_all("Host") or []
         origins = request.headers.get_all("Origin") or []
-        port = self._server.server_port
-        if not gate.admits(port, hosts, origins, plain=True):
+        if not gate.admits(self._server.server_port, hosts, origins, plain=True):
             _respond(request, 403, "text/plain", REFUSED.encode())
         elif request.path == "/":
             _respond(request, 200, "text/html; charset=utf-8", PAGE.read_bytes())

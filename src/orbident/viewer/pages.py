@@ -55,7 +55,10 @@ class SlidersPage:
         server.scene.add_icosphere("/cm", 0.03 * scene.size, color=TOTAL)
         heading(server, title, "Floating free without momentum, the CM at rest.")
         self._answer = server.gui.add_html("")
-        self._sliders = [_slider(server.gui, joint) for joint in scene.robot.joints]
+        self._sliders = [
+            server.gui.add_slider(f"{joint.name}, {joint.unit}", *_range(joint))
+            for joint in scene.robot.joints
+        ]
         self._start_again()
         Floor(server, scene, *self._poses())
         again = server.gui.add_button("Start again")
@@ -132,11 +135,6 @@ def _range(joint: Joint) -> _Range:
     low = round(float(np.ceil(low / step) * step), digits)
     high = round(float(np.floor(high / step) * step), digits)
     return _Range(low, high, float(step), min(max(0.0, low), high))
-
-
-def _slider(gui: Any, joint: Joint) -> Any:
-    unit = "rad" if joint.kind == "revolute" else "m"
-    return gui.add_slider(f"{joint.name}, {unit}", *_range(joint))
 
 
 MOST_TIMES = 5000
@@ -234,12 +232,6 @@ class ReplayPage:
             (self._traced, self._trails.show),
         ]
 
-    def _end(self) -> None:
-        if self._loop.value:
-            self._time.value = self._time.min
-        else:
-            self._toggle()
-
     def _toggle(self) -> None:
         self._playing = not self._playing
         if self._playing and self._time.value >= self._time.max:
@@ -252,10 +244,14 @@ class ReplayPage:
             self._pressed = False
             self._toggle()
         if self._playing:
-            t = self._time.value + seconds * self._chosen_speed()
+            # The browser may send any text.
+            speed = float(self._speed.value) if self._speed.value in SPEEDS else 1.0
+            t = self._time.value + seconds * speed
             self._time.value = round(min(t, self._time.max), 3)
-            if t >= self._time.max:
-                self._end()
+            if t >= self._time.max and self._loop.value:
+                self._time.value = self._time.min
+            elif t >= self._time.max:
+                self._toggle()
         boxes = self._follow, *(box for box, _ in self._switches)
         wanted = self._time.value, *(box.value for box in boxes)
         if wanted != self._shown:
@@ -267,11 +263,6 @@ class ReplayPage:
             for plot in self._plots:
                 plot.move_to(wanted[0])
             self._plotted = wanted[0]
-
-    def _chosen_speed(self) -> float:
-        # The browser may send any text.
-        chosen = self._speed.value
-        return float(chosen) if chosen in SPEEDS else 1.0
 
     def _show(self) -> None:
         t, shown = self._motion.t, self._time.value

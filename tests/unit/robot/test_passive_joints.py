@@ -38,7 +38,7 @@ def test_one_make(load_yaml):
         ("elbow: {frequency: 1 Hz}", "passive: no joint 'elbow'"),
         ("joint1: {frequency: 0}", "passive.joint1.frequency: found 0; give a rate"),
         ("joint1: {damping: 1 %}", "frequency: this key is missing"),
-        ("joint1: {frequency: 1 Hz, damping: -1 %}", "found '-1 %'; give zero or more"),
+        ("joint1: {frequency: 1 Hz, damping: -1 %}", "give a damping, such as 0.5 %"),
         ("joint1: {frequency: 1 Hz, damping: 0}", "found 0; give a damping, such as"),
         ("joint1: {rate: 1 Hz}", "unknown key 'rate'"),
         ("joint1: {like: joint2}", "name another joint beside it, with a frequency"),

@@ -55,7 +55,7 @@ TRIED = 3
 FIRST_ORDER = 0.5
 """Part of what a family explains to first order that a likelier one does, too."""
 
-SOME_OF_IT = 0.1
+SOME_OF_IT = 0.2
 """Part of chi-square that a family must explain to first order to make a bad fit good:
 those that did, of the tables of mistakes, explained 0.39 and more."""
 

@@ -63,11 +63,10 @@ class TopicReport:
 
     def sentences(self) -> list[str]:
         """What was odd, in words; nothing where nothing was."""
-        differ = self.duplicate_differs
         found = [
             (
                 self.rejected["duplicate"],
-                f"repeated a stamp, rejected ({differ} differ)",
+                f"repeated a stamp, rejected ({self.duplicate_differs} differ)",
             ),
             (self.rejected["without_stamp"], "had a zero stamp, rejected"),
             (self.rejected["undecodable"], "could not be decoded, rejected"),
@@ -275,8 +274,7 @@ def convert_file(
         for kind in ("topic", "field")
         if (names := [name for what, name in filter(None, missing) if what == kind])
     ]
-    warnings = (*source.notes, *left_out, *report.warnings)
-    return replace(report, warnings=warnings)
+    return replace(report, warnings=(*source.notes, *left_out, *report.warnings))
 
 
 def _collect(
@@ -339,8 +337,7 @@ def _blocks(
     indices: Sequence[np.ndarray],
     said: Callable[[float], None],
 ) -> Iterator[np.ndarray]:
-    widths = [len(each.values.entry.columns) for each in used]
-    edges = np.cumsum([1, *widths])
+    edges = np.cumsum([1, *(len(each.values.entry.columns) for each in used)])
     for start in range(0, rows.size, _BLOCK_ROWS):
         stop = min(start + _BLOCK_ROWS, rows.size)
         block = np.full((stop - start, int(edges[-1])), np.nan)

@@ -244,8 +244,7 @@ def _dimensions(name: str) -> tuple[str, ...]:
     head, last = name.split(".")[0], name.rsplit(".", 1)[-1]
     if head in OF_PARTS and part_of(head, name):
         return _OF_PARTS[head, last]
-    whole = name in VECTORS or is_known(name)
-    if not whole or head not in DIMENSION_OF:
+    if not (name in VECTORS or is_known(name)) or head not in DIMENSION_OF:
         middle = ".".join(name.split(".")[1:-1]) or "<name>"
         parts = (f"{kind}.{middle}.{of}" for kind, of in _OF_PARTS)
         close = closest(name, [*DIMENSION_OF, "attitude", *parts])

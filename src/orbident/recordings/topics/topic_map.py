@@ -31,11 +31,7 @@ from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
 from orbident.recordings.topics.presets import preset_path, preset_topics, presets
 from orbident.recordings.topics.survey import LISTED, Surveyed
-from orbident.recordings.topics.targets import (
-    DIMENSION_OF,
-    DIMENSIONS,
-    dimension_of,
-)
+from orbident.recordings.topics.targets import DIMENSION_OF, DIMENSIONS, dimension_of
 from orbident.robot.description import Robot
 
 SCHEMA = "orbident/topic-map/1"
@@ -60,8 +56,7 @@ def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, .
     """
     place = place or str(path)
     text = read_text(Path(path))
-    document = read_yaml_mapping(text, place, SCHEMA)
-    file = validated(_TopicMap, document, place, text)
+    file = validated(_TopicMap, read_yaml_mapping(text, place, SCHEMA), place, text)
     entries = [_entry(each, place, text, k) for k, each in enumerate(file.topics)]
     fed: dict[str, str] = {}
     for number, entry in enumerate(entries):
@@ -169,8 +164,7 @@ def _any_message(found: Surveyed, robot: Robot | None) -> Iterable[str]:
     if found.offset is None:
         yield "# TODO stamp: {<the field that holds the time>: us}, if there is one"
     yield from _to_fill(robot)
-    seen = [f"{path}{_seen(x, '')}" for path, x in found.ranges.items()]
-    yield from _listing(seen)
+    yield from _listing(f"{path}{_seen(x, '')}" for path, x in found.ranges.items())
 
 
 _RATHER: Mapping[str, tuple[float, float, str]] = {

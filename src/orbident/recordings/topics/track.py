@@ -196,14 +196,11 @@ class Track:
             not_finite=max(self._with_gaps - gaps - self._zeros, 0),
             zeros=self._zeros,
         )
-        stamps, received = self._stamps, self._received
+        times = self._stamps, self._received
         # Times are sorted once, and then these are no longer needed.
         self._stamps, self._received = array("q"), array("q")
-        return (
-            values,
-            np.frombuffer(stamps, np.int64),
-            np.frombuffer(received, np.int64),
-        )
+        stamps, received = (np.frombuffer(each, np.int64) for each in times)
+        return values, stamps, received
 
     def _check_labels(self, place: str) -> None:
         seen = sorted({label for labels in self._labels for label in labels})
@@ -225,9 +222,8 @@ class Track:
             raw[:, where] = self._of_length_one(raw[:, where])
         rows = self.entry.table(raw)
         # A tracker that sees no attitude sees no position either.
-        names = self.entry.columns
         rows[lost] = np.where(
-            np.char.startswith(names, "position."), np.nan, rows[lost]
+            np.char.startswith(self.entry.columns, "position."), np.nan, rows[lost]
         )
         finite = np.isfinite(rows)
         self._with_gaps += int(np.sum(~finite.all(axis=1)))

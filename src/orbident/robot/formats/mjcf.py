@@ -237,8 +237,7 @@ class _MjcfReader:
         top = [b for b in range(1, self.model.nbody) if not self.model.body_parentid[b]]
         if not top:
             raise InputError(f"{self.place}: <mujoco> has no <body>; give a base")
-        free = [b for b in top if self._kinds(b)[:1] == [_FREE]]
-        bases = free or top
+        bases = [b for b in top if self._kinds(b)[:1] == [_FREE]] or top
         if len(bases) > 1:
             names = listed(self.bodies[b] for b in bases)
             raise InputError(
@@ -314,7 +313,6 @@ class _MjcfReader:
                 f"{self.place}: joint '{name}' is a ball joint; write it as three "
                 "hinges of the same body"
             )
-        limited = self.model.jnt_limited[j]
         lower, upper = map(float, self.model.jnt_range[j])
         return UrdfJoint(
             name,
@@ -324,7 +322,7 @@ class _MjcfReader:
             R,
             p,
             axis=self.model.jnt_axis[j].copy(),
-            position=(lower, upper) if limited else None,
+            position=(lower, upper) if self.model.jnt_limited[j] else None,
             gear=self.gears.get(name),
             armature=float(self.model.dof_armature[self.model.jnt_dofadr[j]]),
         )

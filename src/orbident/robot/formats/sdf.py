@@ -23,14 +23,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.files.names import quoted, suggestion
-from orbident.robot.urdf import (
-    UNLIMITED,
-    Mimic,
-    Urdf,
-    UrdfJoint,
-    UrdfLink,
-    rotation_of,
-)
+from orbident.robot.urdf import UNLIMITED, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 from orbident.robot.urdf_reader import numbers_in, parsed_xml, unique_names
 
 MODEL = "__model__"
@@ -315,8 +308,7 @@ class _SdfReader:
         mass = self._given(inertial, "mass", "1 kg", where)
         if mass < 0:
             raise InputError(f"{where}: found mass {mass:g} kg; give zero or more")
-        own = own_pose(inertial, where)
-        com = self.frames.pose(name).of(own).seen_from(at)
+        com = self.frames.pose(name).of(own_pose(inertial, where)).seen_from(at)
         given = inertial.find("inertia")
         given = ET.Element("inertia") if given is None else given
         xx, yy, zz = (self._given(given, f"i{a}{a}", "1 kg m^2", where) for a in "xyz")

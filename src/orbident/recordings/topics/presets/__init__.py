@@ -22,8 +22,7 @@ def preset_path(name: str) -> Path:
 
 def preset_topics(name: str) -> set[str]:
     """The topics that the map of this name is for."""
-    text = preset_path(name).read_text("utf-8")
-    return set(re.findall(r"topic: ([^,\s]+)", text))
+    return set(re.findall(r"topic: ([^,\s]+)", preset_path(name).read_text("utf-8")))
 
 
 def known_preset(name: str) -> str:
