@@ -110,7 +110,7 @@ def truth_through_changes(
         initial.velocity,
         initial.wheel_speeds(robots[0].wheel_names),
     )
-    parts, q_rw, position = list[Truth](), 0.0, 0.0
+    parts, q_rw, position = list[dict[str, np.ndarray]](), 0.0, 0.0
     for robot, begin, end in zip(
         robots, [-np.inf, *times], [*times, np.inf], strict=True
     ):
@@ -128,11 +128,6 @@ def truth_through_changes(
             motion.w[-1], motion.attitude[-1], motion.v_S[-1], motion.qd_rw[-1]
         )
         kept = np.isin(nodes, t[counts])
-        parts.append(Truth(*(None if x is None else x[kept] for x in truth)))
-    return Truth(
-        **{
-            name: np.concatenate(every)
-            for name, every in zip(Truth._fields, zip(*parts, strict=True), strict=True)
-            if every[0] is not None
-        }
-    )
+        seen = truth._asdict().items()
+        parts.append({name: x[kept] for name, x in seen if x is not None})
+    return Truth(**{x: np.concatenate([each[x] for each in parts]) for x in parts[0]})

@@ -1,6 +1,10 @@
-"""What may be wrong, by what it would explain to first order, and a trial of it."""
+"""What may be wrong, by what it would explain to first order, and a trial of it.
 
-from collections.abc import Callable, Iterable, Iterator
+Errors of instruments, and those of the robot file that say where a joint is and how its
+axis points, are unknowns that the core has; all else is a suspect of its own file.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -9,15 +13,20 @@ import numpy as np
 from orbident.diagnosis.encoders import joint_errors, ripples
 from orbident.diagnosis.filters import filters
 from orbident.diagnosis.frames import beside
-from orbident.diagnosis.instruments import freed, kinds
 from orbident.diagnosis.jumps import steps
 from orbident.diagnosis.late_clocks import SHARED, clocks, fast_clocks
 from orbident.diagnosis.shifts import curved_scales, drifts, vibrations
 from orbident.diagnosis.suspects import Scores, tried
-from orbident.diagnosis.trial import Trial
+from orbident.diagnosis.trial import Trial, trial
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.estimate import Solved
-from orbident.estimation.output_error.sensors import joints_with_torques
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.estimation.output_error.problem import SENSORS
+from orbident.estimation.output_error.sensors import joints_with_torques, torque_column
+from orbident.estimation.unknowns import CalibrationFit
+from orbident.preprocessing.wrenches import Wrenches, thrust_seen
+from orbident.robot.description import Robot
 
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
@@ -93,3 +102,123 @@ def every_score(solved: Solved, before: float, far: bool) -> Iterator[Scored]:
         if first.values.size and np.abs(first.values).max() <= suspect.most:
             put = partial(tried, problem, suspect, first, before)
             yield Scored(gain, suspect.words(first.values), put)
+
+
+ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
+"""Errors that instruments may have, rad, m and relative: far beyond good ones."""
+
+LATE, THRUST = 0.3, 0.5
+"""Deviations beforehand of thrusters, s and relative: a computer far away commands."""
+
+OTHERWISE, ROTOR = 2.0, 10.0
+"""Deviations beforehand of a torque's scale, relative, which holds another sign, and of
+what rotors behind gears add to a joint's inertia, kg m^2."""
+
+CLEAR = 5.0
+"""Deviations by which an error is none of chance."""
+
+FARTHEST = 3.0
+"""Deviations beforehand: a larger error is none of this kind."""
+
+WORDS = {
+    "joint zeros": ("the zero of joint {}", ANGLE),
+    "joint scales": ("the scale of joint {}", PART),
+    "wheel inertias": ("the inertia of wheel {}", PART),
+    "wheel axes": ("the tilt of the axis of wheel {}", ANGLE),
+    "feature_point": ("the offset of the tracked marker from S", LENGTH),
+    "attitude.misalignment": ("the misalignment of the attitude sensor", ANGLE),
+    "gyro.misalignment": ("the misalignment of the gyro", ANGLE),
+    "gyro.scale": ("the scale of the gyro, or the rate of the clock,", PART),
+    "position.scale": ("the scale of the position", PART),
+    "thrusters.clock": ("the time at which thrusters act after their commands", LATE),
+    "thrusters.pulse": ("how long thrusters are on", LATE),
+    "thrusters.scale": ("the thrust of all thrusters together", THRUST),
+    "torque scales": ("the scale or the sign of the torque of joint {}", OTHERWISE),
+    "armature": ("what the motor's rotor behind a gear adds to joint {}", ROTOR),
+    "place": (
+        "the place of joint {} on its link in the robot file, so the geometry or "
+        "length of that link,",
+        LENGTH,
+    ),
+    "direction": ("the tilt of the axis of joint {} in the robot file", ANGLE),
+}
+"""What is off, by its family, with the joint or wheel in the place of `{}`; and its
+standard deviation beforehand. That of a place or direction is of one joint's axes."""
+
+IN_THE_PLANE = {
+    "attitude.misalignment": "the misalignment of the attitude sensor, or the angle "
+    "between the inertial axes (frames) of attitude and position,"
+}
+"""Where two errors are the same turn about z, both are named."""
+
+
+class ErrorKind(NamedTuple):
+    """Errors of one family, as unknowns."""
+
+    family: str
+    names: tuple[str, ...]
+    words: str
+    """The cause, with the joint or wheel in the place of `{}`."""
+    std: float
+    """Beforehand; SI."""
+
+    def __str__(self) -> str:
+        named = self.names[0].split(".")
+        return self.words.format(named[1] if len(named) > 1 else "")
+
+    @property
+    def of_one(self) -> bool:
+        """Whether they are of one instrument or joint, and not one of each."""
+        return self.family in self.names[0]
+
+
+def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
+    """Identify again, with one kind of error as an unknown."""
+    found = trial(kind.words, problem, {kind.family: kind.std})
+    errors = found.estimate and {
+        name: each
+        for name, each in found.estimate.calibration.items()
+        if name in kind.names
+    }
+    if errors and max(abs(x.value) for x in errors.values()) < FARTHEST * kind.std:
+        # As many unknowns explain so much by chance (Schwarz 1978).
+        price = len(errors) * np.log(problem.samples.t.size)
+        words = _in_words(kind, errors)
+        yield found._replace(cause=words, misfit=found.misfit + price, tolerable=True)
+
+
+def kinds(
+    robot: Robot, wrenches: Wrenches, driven: Iterable[str] = ()
+) -> Iterator[ErrorKind]:
+    """The kinds of errors that a robot's instruments may have; clocks are apart.
+
+    Args:
+        robot: with its joints and wheels.
+        wrenches: that were recorded.
+        driven: joints whose torques were.
+    """
+    families: dict[str, list[str]] = {}
+    recorded = (*SENSORS, *thrust_seen(wrenches), *map(torque_column, driven))
+    for each in calibrations_of(robot, recorded):
+        families.setdefault(each.family, []).append(each.name)
+    for family, names in families.items():
+        key = family if family in WORDS else family.rpartition(".")[2]
+        if key in WORDS:
+            words, std = WORDS[key]
+            if robot.motion == "planar":
+                words = IN_THE_PLANE.get(key, words)
+            yield ErrorKind(family, tuple(names), words, std)
+
+
+def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
+    """The words of a kind, with its error that stands out most."""
+    name = max(errors, key=lambda name: abs(errors[name].value) / errors[name].std)
+    named = name.split(".")
+    axis = f" along {named[-1]}" if named[-1] in "xyz" else ""
+    value, std = errors[name].value, errors[name].std
+    if not (kind.of_one or abs(value) > CLEAR * std):
+        # Wheels, such as two of which only the ratio shows.
+        owners = dict.fromkeys(each.split(".")[1] for each in errors)
+        return f"{kind.words.format(' or '.join(owners))} is off"
+    which = kind.words.format(named[1] if len(named) > 1 else "")
+    return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"

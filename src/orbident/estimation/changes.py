@@ -73,9 +73,9 @@ def changes_of(problem: MomentumProblem) -> tuple[Change, ...]:
         problem: of the whole recording.
     """
     t, every = problem.recording.t, _by_sample(problem)
-    parts = every and _parts(problem, every, 0, t.size)
+    parts = _parts(problem, every, 0, t.size) if every else []
     changes = []
-    for before, after in pairwise(parts or ()):
+    for before, after in pairwise(parts):
         off = difference_of(before.fit, after.fit)
         if off.is_no_chance(ANOTHER_ROBOT):
             over = off.value / limit(ANOTHER_ROBOT, off.dof)

@@ -148,8 +148,8 @@ def jump_of_momenta(problem: MomentumProblem) -> tuple[int, float]:
     # Minus twice the logarithm of the likelihood is, of each equation, its rows times
     # that of its squares. A jump at either end is a constant momentum or none.
     rows = (len(rows_h), len(rows_v))
-    cost = sum(n * np.log(part) for n, part in zip(rows, parts, strict=False))
-    row = AROUND + int(np.argmin(cost[AROUND:-AROUND]))
+    costs = [n * np.log(part) for n, part in zip(rows, parts, strict=False)]
+    row = AROUND + int(np.argmin(np.sum(costs, axis=0)[AROUND:-AROUND]))
     return row, min(float(part[row]) for part in parts)
 
 

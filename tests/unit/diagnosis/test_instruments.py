@@ -5,7 +5,7 @@ import re
 import numpy as np
 from cause_problems import clean, fitted, problem_with, with_joint
 
-from orbident.diagnosis.instruments import ErrorKind, freed, kinds
+from orbident.diagnosis.likeliest import ErrorKind, freed, kinds
 
 CLOCK = re.compile(r"\.clock$")
 

@@ -97,7 +97,7 @@ def solved(
     check_finite(cost, _size(here))
     damping, raised = DAMPING if enough else 0.0, RAISED
     taken, tried, vain, slow = [Step(cost, np.nan)], False, 0, 0
-    samples = sum(np.count_nonzero(each) for each in weights.values())
+    samples = sum(int(np.count_nonzero(each)) for each in weights.values())
     while steps > 0:
         progress()
         steps -= 1
