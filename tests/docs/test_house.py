@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 302,
-    "lines": 64_663,
+    "lines": 64_674,
     "files of estimation": 51,
     "lines of estimation": 12_809,
     "files with one user": 63,

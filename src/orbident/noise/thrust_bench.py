@@ -68,6 +68,13 @@ class BenchThrust(NamedTuple):
     """From nine tenths of the thrust to one after the command has ended, s, median."""
 
 
+class _Pulse(NamedTuple):
+    thrust: float
+    late: float
+    rise: float
+    decay: float
+
+
 def thrust_on_bench(path: Path) -> BenchThrust:
     """Thrust, rise, decay and scatter of one thruster from a load cell's table.
 
@@ -114,9 +121,7 @@ def _columns(path: Path) -> tuple[Float[np.ndarray, " n"], ...]:
         )
     if not t.size == force.size == command.size:
         raise InputError(f"{path}: its columns are not equally long; make them equal")
-    # `g` of `weight_g` and `weight [g]`.
-    words = f"{names['force']} {table.fields[names['force']].unit}".strip(" ])")
-    unit = re.split(r"[^A-Za-z]+", words)[-1]
+    unit = _unit_behind(table, names["force"])
     if unit not in NEWTON:
         raise InputError(
             f"{path}: column '{names['force']}' does not say its unit; give one of "
@@ -142,14 +147,20 @@ def _named(table: Group, what: str, words: Sequence[str]) -> str:
     return found[0]
 
 
+def _unit_behind(table: Group, name: str) -> str:
+    """`g` of `weight_g` and `weight [g]`."""
+    return re.split(r"[^A-Za-z]+", f"{name} {table.fields[name].unit}".strip(" ])"))[-1]
+
+
 def _pulses(
     path: Path,
     t: Float[np.ndarray, " n"],
     force: Float[np.ndarray, " n"],
     on: Bool[np.ndarray, " n"],
-) -> Iterator[tuple[float, float, float, float]]:
-    """Thrust, `late`, rise and decay of those with a pause before and behind."""
-    bounds = [0, *(np.flatnonzero(np.diff(on)) + 1).tolist(), on.size]
+) -> Iterator[_Pulse]:
+    """Those that have a pause before and behind."""
+    edges = np.flatnonzero(np.diff(on)) + 1
+    bounds = [0, *edges.tolist(), on.size]
     for k in range(2 if on[0] else 1, len(bounds) - 2, 2):
         before, start, end, after = bounds[k - 1 : k + 3]
         if min(start - before, end - start, after - end) < FEWEST_SAMPLES:
@@ -171,7 +182,7 @@ def _pulses(
         up = [_first(t, share >= level, start, after) for level in (LOW, HIGH)]
         down = [_first(t, share <= level, end, after) for level in (HIGH, LOW)]
         late = up[0] - float(t[start])
-        yield thrust, late, up[1] - up[0], down[1] - down[0]
+        yield _Pulse(thrust, late, up[1] - up[0], down[1] - down[0])
 
 
 def _first(
