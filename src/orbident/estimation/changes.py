@@ -76,7 +76,7 @@ def changes_of(problem: MomentumProblem) -> tuple[Change, ...]:
     parts = _parts(problem, every, 0, t.size) if every else []
     changes = []
     for before, after in pairwise(parts):
-        off = difference_of(before.fit, after.fit)
+        off = between_robots(before.fit, after.fit)
         if off.is_no_chance(ANOTHER_ROBOT):
             over = off.value / limit(ANOTHER_ROBOT, off.dof)
             times = float(t[after.first]), float(t[before.last - 1])
@@ -193,7 +193,7 @@ def _fitted(problem: MomentumProblem, first: int, last: int) -> Fit | None:
     return Fit(on, shown) if good else None
 
 
-def difference_of(before: Fit, after: Fit) -> ChiSquare:
+def between_robots(before: Fit, after: Fit) -> ChiSquare:
     """How far two parts are from being of one robot, as a chi-square.
 
     The least cost of a short part may lie in a curved valley: its deviations hold what

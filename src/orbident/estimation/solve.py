@@ -55,10 +55,12 @@ def solve(
         *_plainly("plain_mistake", problem, shown),
         *obstacles(problem, by_torque),
     ]
-    if not hindered:
+    if not hindered and isinstance(estimator, Recursive) and in_whole(problem):
+        estimator = replace(estimator, changes=changes_of(problem))
         parted = _in_parts(problem, estimator, later)
         if parted is not None:
             return parted
+    elif not hindered:
         hindered = _plainly("plain_change", problem, shown)
     if not hindered and shown is None:
         problem, shown = evidence(problem, estimator, later)
@@ -67,8 +69,6 @@ def solve(
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
         return Solved(problem, hindered, estimate, None)
-    if shown is None:
-        return Solved(problem, [], estimator.estimate(problem, later), None)
     return solved_by(estimator, problem, shown, later)
 
 
@@ -122,16 +122,21 @@ def _by_torque(problem: MomentumProblem, estimator: Estimator) -> bool:
 
 
 def solved_by(
-    estimator: Estimator, problem: MomentumProblem, shown: Estimate, progress: Progress
+    estimator: Estimator,
+    problem: MomentumProblem,
+    shown: Estimate | None,
+    progress: Progress,
 ) -> Solved:
     """Estimate by a method what the sensors have shown already.
 
     Args:
         estimator: the method.
         problem: of a recording.
-        shown: the estimate of it by output error.
+        shown: the estimate of it by output error; None where there is none.
         progress: is called with the fraction of the work that is done.
     """
+    if shown is None:
+        return Solved(problem, [], estimator.estimate(problem, progress), None)
     if isinstance(estimator, OutputError):
         return Solved(problem, [], shown, shown)
     whole = in_whole(problem)
@@ -143,26 +148,21 @@ def solved_by(
 
 
 def _in_parts(
-    problem: MomentumProblem, estimator: Estimator, progress: Progress
+    problem: MomentumProblem, estimator: Recursive, progress: Progress
 ) -> Solved | None:
-    """What a filter estimates that is told when the robot changed; None for others.
+    """What a filter estimates that is told when the robot changed, if it did.
 
     One that learns from CAD on takes its own errors for a change now and then. Output
     error judges what holds since the last change.
     """
-    if not isinstance(estimator, Recursive) or not in_whole(problem):
+    if not estimator.changes:
         return None
-    changes, last = changes_of(problem), problem
-    estimator = replace(estimator, changes=changes)
-    if changes:
-        # What was at rest was so before the first change.
-        later = problem.recording.between(start=changes[-1].t)
-        last = replace(problem, initial_momentum="unknown").amended(recording=later)
+    # What was at rest was so before the first change.
+    since = problem.recording.between(start=estimator.changes[-1].t)
+    last = replace(problem, initial_momentum="unknown").amended(recording=since)
     on, shown = evidence(last, OutputError(), progress)
     if shown is None:
         return None
-    if not changes:
-        return solved_by(estimator, on, shown, progress)
     # The linear equations, too, are of one robot.
     problem = replace(problem, known_fits=on.fits)
     estimate = estimator.estimate(problem, lambda _: None)
