@@ -62,8 +62,8 @@ ANOTHER_ROBOT: Rule = "other parameters"
 """Which test says that two parts are not of one robot."""
 
 
-Equations = Sequence[Float[np.ndarray, "samples axes columns"]]
-"""Rows of Eq. 24, and those of Eq. 31, by sample."""
+Equations = Sequence[Float[np.ndarray, "samples _ _"]]
+"""Rows of Eq. 24, and those of Eq. 31, by sample, axis and column."""
 
 
 def changes_of(problem: MomentumProblem) -> tuple[Change, ...]:
