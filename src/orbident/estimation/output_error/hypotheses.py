@@ -279,8 +279,10 @@ def _best(
     beside = {*excluded, *free, *UNTESTED, *(SLOW if {*SLOW, *WALKS} & free else ())}
     beyond = _beyond(zeros, beside)
     if is_bad(problem, cost):
-        enough = SOME_OF_IT * zeros.solution.cost
-        beyond = {name: fall for name, fall in beyond.items() if fall > enough}
+        # More than one valve may stick, so that the fit of one is bad, too.
+        enough = dict.fromkeys(beyond, SOME_OF_IT * zeros.solution.cost)
+        enough |= dict.fromkeys(problem.gains, 0.0)
+        beyond = {x: fall for x, fall in beyond.items() if fall > enough[x]}
     tried = _freed(search, zeros, cost, beyond)
     if not tried:
         return None

@@ -59,7 +59,8 @@ BAD = 4.0
 
 SLOWLY = 1e-2
 """Part of a cost that is as bad below which steps lead nowhere, if some do one after
-the other."""
+the other, and each lowers it by more than half of what that before it did: near the
+least cost they lower it by less and less."""
 
 KEPT = 2**24
 """Bytes of links that a solution keeps: without them, who asks for its boundaries
@@ -96,7 +97,7 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, _size(here))
     damping, raised = DAMPING if enough else 0.0, RAISED
-    taken, tried, vain, slow = [Step(cost, np.nan)], False, 0, 0
+    taken, tried, vain, slow, last = [Step(cost, np.nan)], False, 0, 0, np.inf
     samples = sum(int(np.count_nonzero(each)) for each in weights.values())
     while steps > 0:
         progress()
@@ -133,7 +134,8 @@ def solved(
             steps += lowered > 1 - FALLS
             as_good = problem.gains and size < CORNER and cost - new_cost < same
             vain = vain + 1 if as_good else 0
-            slow = slow + 1 if beyond > BAD and lowered < SLOWLY else 0
+            ends = FALLS * last < lowered < SLOWLY and beyond > BAD
+            slow, last = slow + 1 if ends else 0, lowered
             expected = change @ (2 * whole - change)
             gain = float((cost - new_cost) / expected) if new_cost < cost else 0.0
             state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
