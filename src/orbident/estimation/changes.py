@@ -47,6 +47,10 @@ MOST = 4
 FINELY = 16
 """Parts of those beside a change, between which it is looked for again."""
 
+BESIDE = 3
+"""So many of these before and after a change are of neither robot: an arm that closes
+takes its time, and a few samples of another robot keep a part from fitting."""
+
 FEWEST = 100
 """Samples of a part that output error is asked about: of fewer it learns little."""
 
@@ -145,8 +149,10 @@ def _between(
         return _between(every, first, end, SURER)
     inside = np.linspace(edges[k - 1], edges[k + 1], FINELY + 1).astype(int)
     finely = left_by_two(every, np.concatenate([[first], inside, [last]]))
-    k = 1 + int(np.argmin(finely[2:-2]))
-    return int(inside[k - 1]), int(inside[k + 1])
+    # Where both looks differ, it is between them.
+    looks = 1 + int(np.argmin(finely[2:-2])), FINELY // 2
+    good, bad = max(min(looks) - BESIDE, 0), min(max(looks) + BESIDE, FINELY)
+    return int(inside[good]), int(inside[bad])
 
 
 def left_by_two(

@@ -1,5 +1,6 @@
 """A recording that is good until something happens."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -37,7 +38,7 @@ def test_a_capture_is_plain():
     )
     seen = simulate_change(robot, holding(robot, load), motion, 13.05, seed=2)
     (found,) = plain_change(momentum_problem(robot, seen, "unknown", lambda _: None))
-    assert "between t = 12.8 and 13.2 s" in found.reason
+    assert re.search(r"between t = 12\.\d+ and 1[34](\.\d+)? s", found.reason)
     assert "the robot changed, by a capture or a release" in found.reason
 
 

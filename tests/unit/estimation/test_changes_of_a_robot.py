@@ -59,7 +59,7 @@ def test_what_two_robots_leave_as_least_squares_has_it():
 
 def test_a_capture(captured):
     (change,) = changes_of(captured)
-    assert 12.5 < change.onset < 13.05 < change.t < 13.6
+    assert 12.0 < change.onset < 13.05 < change.t < 14.5
     assert change.statistic > 1
     assert change.confidence == pytest.approx(1.0)
 
@@ -72,7 +72,8 @@ def test_a_capture_and_a_release():
     t = sample_times(motion.duration, RATE)
     true = truth_through_changes([ROBOT, both, ROBOT], motion, [18.05, 41.05], t)
     found = changes_of(problem_of(measure_truth(ROBOT, t, true, seed=1)))
-    assert [round(each.t) for each in found] == [18, 41]
+    for each, at in zip(found, (18.05, 41.05), strict=True):
+        assert at - 2.0 < each.onset < at < each.t < at + 2.0
 
 
 @pytest.mark.parametrize("duration", [15.0, 40.0])
