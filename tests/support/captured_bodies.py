@@ -101,7 +101,14 @@ def truth_through_changes(
     times: Sequence[float],
     t: Float[np.ndarray, " n"],
 ) -> Truth:
-    """The same of several robots, one after the other from these times on, s."""
+    """What ideal sensors would show of a robot that changes several times.
+
+    Args:
+        robots: the robot before the first change, after it, and so on.
+        trajectory: of the joints, with the initial state of base and wheels.
+        times: of the changes, s; one fewer than robots.
+        t: when the sensors are read, s.
+    """
     trajectory = trajectory.for_robot(robots[0])
     initial = trajectory.initial
     state = BaseState(

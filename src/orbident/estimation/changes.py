@@ -28,10 +28,11 @@ from orbident.estimation.triangular import fold
 from orbident.model.core_robot import wheels_of
 
 PARTS = 32
-"""Of a recording, between which changes are looked for."""
+"""Equal parts into which a recording is divided; a change is looked for at the edges
+between two of them."""
 
 AROUND = 2
-"""So many parts before and after one are near it."""
+"""Edges so few parts away from a change are near it, and say nothing of other times."""
 
 BEGINNING = 0.75
 """Part of a recording in which the first of its changes is looked for, where two or
@@ -42,17 +43,19 @@ SURER = 0.1
 where a momentum walks at random a part left 0.14 of what others did."""
 
 MOST = 4
-"""Robots, one after the other: what is wrong throughout makes many."""
+"""Robots that one recording may show, one after the other. Where something is wrong all
+the time, parts of it look like many more."""
 
 FINELY = 16
-"""Parts of those beside a change, between which it is looked for again."""
+"""The two parts beside the best edge are divided into so many smaller ones, and the
+change is looked for again at their edges."""
 
 BESIDE = 3
-"""So many of these before and after a change are of neither robot: an arm that closes
-takes its time, and a few samples of another robot keep a part from fitting."""
+"""Smaller parts before and after a change that are taken for neither robot: a gripper
+takes its time to close, and a few samples of another robot keep a part from fitting."""
 
 FEWEST = 100
-"""Samples of a part that output error is asked about: of fewer it learns little."""
+"""A part with fewer samples is not fitted: it shows too little of a robot."""
 
 LEAVES = 0.1
 """The most that two robots leave of the squares of Eqs. 24 and 31. Of 52 captures and
@@ -110,7 +113,10 @@ def _by_sample(problem: MomentumProblem) -> Equations:
 def _parts(
     problem: MomentumProblem, every: Equations, first: int, last: int
 ) -> list[_Part]:
-    """The parts of one robot each, between two rows; none where one fits nothing."""
+    """The rows from `first` to `last`, divided into parts of one robot each.
+
+    Nothing where no change is seen, or one of the parts is of no single robot.
+    """
     whole = last - first == problem.recording.t.size
     between = _between(every, first, last, 1.0 if whole else SURER)
     if between is None:
@@ -134,9 +140,9 @@ def _between(
 
     Args:
         every: equations by sample.
-        first: row of the part that is looked at,
-        last: and the row after it.
-        most: of what may be left in the whole, where it is no part.
+        first: the first row of what is looked at.
+        last: the row after its last one.
+        most: part of `LEAVES` and of `SHARP` that may be left.
     """
     if last - first < 2 * FEWEST:
         return None

@@ -1,7 +1,6 @@
 """May the numbers be trusted? Every rule of acceptance is one check."""
 
-from collections.abc import Collection, Iterator, Mapping
-from itertools import combinations
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -10,25 +9,23 @@ from jaxtyping import Bool
 from orbident.environment.agents import AGENTS, IN_WORDS, PUSH, SLOW
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.levels import ChiSquare
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.acting import LONGEST
-from orbident.estimation.output_error.joint_laws import elsewhere
+from orbident.estimation.output_error.joint_laws import turned_by, what_swings
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
     beside_nominal,
     long_enough,
     mass_checks,
     positive_energy,
+    possible_motors,
     possible_numbers,
 )
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, NOISY, residual_checks
-from orbident.estimation.unknowns import SpringFit
 from orbident.files.names import joined, listed
-from orbident.robot.description import Passive, Robot
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
@@ -38,15 +35,6 @@ HALF = 0.5
 LISTED = 20
 # So many sizes of what acts from outside are written out.
 FEW = 4
-ALIKE_SPRINGS = 0.15
-"""Two passive joints swing alike where the logarithm of the ratio of their frequencies
-is less: with 0.3 and 0.35 Hz results hold, with equal ones they do not."""
-
-SURELY_APART = 30.0
-"""Deviations by which that logarithm must differ from zero. The recording shows its
-square `s`: its own deviation is `std(s) / 2 sqrt(s)`, and first order holds from 15 of
-those of `s`. Two equal panels were found to be apart by eight; those at 1 and 0.8 Hz,
-apart by 22, had frequencies 1.5 % off."""
 
 
 class Judgement(NamedTuple):
@@ -98,7 +86,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_two_explanations(problem, shown or estimate),
             *_at_rest(shown or estimate),
             *_weighed(shown or estimate),
-            *_motors(shown or estimate),
+            *possible_motors((shown or estimate).drives),
             *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(
@@ -175,81 +163,6 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
         yield Check("changes", "with care", words)
 
 
-def turned_by(robot: Robot, locked: Collection[str]) -> dict[str, str]:
-    """The measured joint that turns a passive one about its own axis, by the latter.
-
-    Args:
-        robot: with its passive joints.
-        locked: names of joints that did not move.
-    """
-    found = {}
-    for joint in robot.joints:
-        before = robot.joints[joint.parent - 1]
-        along = abs(before.axis @ joint.R_PJ @ joint.axis)
-        if joint.name in robot.passive and joint.parent and np.isclose(along, 1.0):
-            found[joint.name] = before.name
-    still = {*robot.passive, *locked}
-    return {name: motor for name, motor in found.items() if motor not in still}
-
-
-def what_swings(
-    passive: Mapping[str, Passive],
-    springs: Mapping[str, SpringFit],
-    carried: ChiSquare,
-    turned: Mapping[str, str],
-) -> Iterator[Check]:
-    """Whether passive joints swing and carry as they may, and no two of them alike.
-
-    What tells the parameters of two apart that do shows in second order, and deviations
-    are of first order. Joints of one make are alike beforehand, and the motions of two
-    motors tell apart the joints that they turn.
-
-    Args:
-        passive: the joints, as the robot file has them.
-        springs: how they were found to swing.
-        carried: how far what they carry is from what was known of it beforehand.
-        turned: see `turned_by`.
-    """
-    for name in elsewhere(passive, springs):
-        yield Check(
-            "what swings",
-            "do not trust",
-            f"joint '{name}' swings at {springs[name].frequency:.3g} Hz or does not "
-            f"bend at all: nothing near {passive[name].frequency:.3g} Hz explains the "
-            "recording",
-            "declare the frequency that a test shows; what is stiff is neither "
-            "'passive' nor 'flexible'",
-        )
-    if carried.is_no_chance("other parameters"):
-        yield Check(
-            "what swings",
-            "do not trust",
-            "what passive joints carry is not what their nominal inertias say: by "
-            f"{carried.value**0.5:.2g} of the deviations beforehand",
-            "check masses and places of what swings, or say how well its inertia is "
-            "known (passive: JOINT: inertia in the robot file)",
-        )
-    for one, other in combinations(springs, 2):
-        of_one_make = len({passive[name].like or name for name in (one, other)}) == 1
-        two_motors = len({None, turned.get(one), turned.get(other)}) == 3
-        fits = springs[one], springs[other]
-        apart = abs(np.log(fits[0].frequency / fits[1].frequency))
-        std = sum(fit.frequency_std / fit.frequency for fit in fits)
-        enough = max(ALIKE_SPRINGS, SURELY_APART * std)
-        if apart < enough and not (of_one_make or two_motors):
-            yield Check(
-                "alike springs",
-                "do not trust",
-                f"joints '{one}' and '{other}' swing alike, or may: what tells apart "
-                "what they carry is known far worse than deviations say",
-                f"if they are of one make, say so (passive: {other}: {{like: {one}}}); "
-                "else measure one of them",
-                apart,
-                enough,
-            )
-            return
-
-
 def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Check]:
     """A clock that seems late and a slow torque may both stand for something else."""
     slow = {*shown.unexpected} & {*SLOW}
@@ -289,25 +202,6 @@ def _weighed(shown: Estimate) -> Iterator[Check]:
             "see that the same load and fuel were weighed, and check what gives the "
             "recording its scale, such as the wheels' inertia",
         )
-
-
-def _motors(shown: Estimate) -> Iterator[Check]:
-    """Whether motors and their friction take what torques give them."""
-    for name, fit in shown.drives.items():
-        parts = {
-            "rotor": (fit.armature, fit.armature_std, "kg m^2"),
-            "viscous friction": (fit.viscous, fit.viscous_std, "N m s"),
-            "Coulomb friction": (fit.coulomb, fit.coulomb_std, "N m"),
-        }
-        for what, (value, std, unit) in parts.items():
-            if value < -FAR * std:
-                yield Check(
-                    "motors",
-                    "do not trust",
-                    f"the {what} of joint '{name}' would be {value:.3g} +- {std:.1g} "
-                    f"{unit}, by its torques, and none is less than nothing",
-                    "check the signs, units and order of the torque columns",
-                )
 
 
 def _what_may_act(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:

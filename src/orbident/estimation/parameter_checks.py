@@ -5,7 +5,7 @@ kinetic energy of a robot that exists is positive.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,8 +17,10 @@ from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import TIMES_CAD
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.disturbance_sizes import IMPOSSIBLE
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
+from orbident.estimation.unknowns import DriveFit
 from orbident.model.core_robot import rotor_deviations
 from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
@@ -296,6 +298,25 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
         reason = f"mass: found {M.value:.4g} kg, which no robot has"
     if not (finite and M.value > 0):
         yield Check("possible numbers", "do not trust", reason, CAUSES)
+
+
+def possible_motors(drives: Mapping[str, DriveFit]) -> Iterator[Check]:
+    """Whether rotors and friction are no less than nothing, as their torques say."""
+    for name, fit in drives.items():
+        parts = {
+            "rotor's inertia": (fit.armature, fit.armature_std),
+            "viscous friction": (fit.viscous, fit.viscous_std),
+            "Coulomb friction": (fit.coulomb, fit.coulomb_std),
+        }
+        for what, (value, std) in parts.items():
+            if value < -IMPOSSIBLE * std:
+                yield Check(
+                    "motors",
+                    "do not trust",
+                    f"the {what} of joint '{name}' would be {value:.3g} +- {std:.1g} "
+                    "(SI), by its torques, and none is less than nothing",
+                    "check the signs, units and order of the torque columns",
+                )
 
 
 def mass_checks(

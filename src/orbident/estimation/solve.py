@@ -150,10 +150,11 @@ def solved_by(
 def _in_parts(
     problem: MomentumProblem, estimator: Recursive, progress: Progress
 ) -> Solved | None:
-    """What a filter estimates that is told when the robot changed, if it did.
+    """The estimate of a filter that is told when the robot changed; None if it did not.
 
-    One that learns from CAD on takes its own errors for a change now and then. Output
-    error judges what holds since the last change.
+    A filter that begins at CAD values now and then takes its own errors for a change,
+    so it does not look for one itself. The robot since the last change is what it
+    estimates, and output error judges that by the samples since then.
     """
     if not estimator.changes:
         return None

@@ -77,7 +77,7 @@ class Joint:
 
     @property
     def unit(self) -> str:
-        """Of its position, SI."""
+        """The unit of the joint's position."""
         return "rad" if self.kind == "revolute" else "m"
 
     def within(self, far: float) -> tuple[float, float]:

@@ -10,7 +10,9 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
+from orbident.estimation.parameter_checks import possible_motors
 from orbident.estimation.quantities import Quantity
+from orbident.estimation.unknowns import DriveFit
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +57,15 @@ def test_a_parameter_that_is_none(problem, estimate):
     changed = replace(estimate, parameters=found._replace(pi=lost))
     (reason,) = refused(problem, changed)
     assert "is no number" in reason
+
+
+@pytest.mark.parametrize("part", ["armature", "viscous", "coulomb"])
+def test_a_motor_takes_no_less_than_nothing(part):
+    """By three deviations: torques of the other sign make it so."""
+    nothing = DriveFit(*[0.0, 1.0] * 4)
+    little, less = (nothing._replace(**{part: value}) for value in (-2.9, -3.1))
+    assert not [*possible_motors({"elbow": little})]
+    (check,) = possible_motors({"elbow": less})
+    assert check.level == "do not trust"
+    assert "joint 'elbow' would be -3.1 +- 1" in check.reason
+    assert not [*possible_motors({"elbow": nothing._replace(offset=-9.0)})]

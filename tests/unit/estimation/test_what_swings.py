@@ -2,8 +2,8 @@
 
 import pytest
 
-from orbident.estimation.criteria import what_swings
 from orbident.estimation.levels import ChiSquare
+from orbident.estimation.output_error.joint_laws import what_swings
 from orbident.estimation.unknowns import SpringFit
 from orbident.robot.description import Passive
 

@@ -100,6 +100,11 @@ def test_a_motor_that_slides_has_newtons_for_an_ampere(load_yaml):
             "torque_constants: {joint1: 1}\npassive: {joint1: {frequency: 1}}",
             "torque_constants.joint1: the joint is passive",
         ),
+        (
+            "rotors: {joint1: {gear: 9, inertia: 1e-4}}\n"
+            "passive: {joint1: {frequency: 1}}",
+            "rotors.joint1: the joint is passive",
+        ),
     ],
 )
 def test_what_is_no_motor_or_friction_is_refused(load_yaml, section, message):

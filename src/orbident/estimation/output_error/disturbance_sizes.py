@@ -175,6 +175,8 @@ def surprise_of_known(
         what: which part of the prior they are.
     """
     equations, state = getattr(solution.prior, what), solution.state
+    if not len(equations):
+        return ChiSquare(0.0, 0)
     others = solution.prior._replace(**{what: NO_EQUATIONS})
     factor = others.added(solution.linear.common, state)
     R, z = factor[:-1, :-1], factor[:-1, -1]

@@ -38,13 +38,7 @@ from orbident.estimation.output_error.taken_for_zero import (
     TakenForZero,
     taken_for_zero,
 )
-from orbident.estimation.solution import (
-    NO_EQUATIONS,
-    Linear,
-    Prior,
-    Solution,
-    Unknowns,
-)
+from orbident.estimation.solution import NO_EQUATIONS, Linear, Prior, Solution, Unknowns
 
 ROUNDS = 6
 """Times that a family is freed, at most."""
