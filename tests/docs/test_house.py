@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 302,
-    "lines": 64_689,
+    "files": 303,
+    "lines": 64_880,
     "files of estimation": 51,
-    "lines of estimation": 12_824,
+    "lines of estimation": 12_841,
     "files with one user": 63,
     "imports below each other": 30,
     "numbers without a reason": 38,

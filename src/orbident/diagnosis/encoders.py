@@ -17,10 +17,10 @@ from scipy.optimize import fminbound
 
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Numbers, Suspect
+from orbident.diagnosis.torque_columns import torques_by
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import outstanding
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.model.equations_of_motion import motion_with, movable
 from orbident.model.kinematics import carried_inertia
 from orbident.robot.description import Robot
 
@@ -121,11 +121,7 @@ def _bend(
         rates: of the base, joints and wheels.
         accelerations: of these; the base floats, and its own are not used.
     """
-    may = movable(robot)
-    none, joints = np.zeros((len(q), 3)), slice(6, 6 + q.shape[1])
-    free = may & (np.arange(may.size) < joints.start)
-    v, v_dot = (np.hstack([none, x]) * may for x in (rates, accelerations))
-    torques = motion_with(robot, q, v, v_dot * ~free, free).Q[:, joints]
+    torques = torques_by(robot, q, rates, accelerations)
     carried = [carried_inertia(robot, k) for k in range(q.shape[1])]
     return torques / np.maximum(carried @ robot.theta.ravel(), LEAST_CARRIED)
 

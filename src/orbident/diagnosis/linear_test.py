@@ -14,6 +14,7 @@ from orbident.diagnosis.conventions import (
     felt_alone,
     of_accelerometer,
 )
+from orbident.diagnosis.torque_columns import plain_torques
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import whiteness
@@ -139,7 +140,12 @@ def _corrected(part: MomentumProblem, convention: Convention) -> CorrectedConven
 
 
 def plain_mistake(problem: MomentumProblem) -> list[Check]:
-    """A convention that is plainly another one, which no fit is needed to see."""
+    """What is plainly written otherwise, which no fit is needed to see."""
+    return _plain_convention(problem) or plain_torques(problem)
+
+
+def _plain_convention(problem: MomentumProblem) -> list[Check]:
+    """A convention that is plainly another one."""
     fits = problem.fits
     # What springs let swing is little beside a plain mistake, and thrust is not.
     if problem.samples.unknown_thrust or not problem.scale_seen or no_motion(problem):

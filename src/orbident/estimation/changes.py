@@ -65,6 +65,10 @@ SHARP = 0.5
 """The most that is left at a change of what is left at other times: a capture left 0.43
 at most, and good recordings 0.76 and more."""
 
+SHOWS = 1e-3
+"""Part of the right side of an equation that must not be constant. Recordings of wheels
+that keep their speed had 5e-6, of others 0.3 and more."""
+
 ANOTHER_ROBOT: Rule = "other parameters"
 """Which test says that two parts are not of one robot."""
 
@@ -107,7 +111,20 @@ def _by_sample(problem: MomentumProblem) -> Equations:
         return []
     batch, wheels = samples.batch(0, recorded), wheels_of(problem.robot)
     every = rows_of(problem.sets.regressors, wheels, None, batch, samples.drift())
-    return [rows.reshape(recorded, -1, rows.shape[1]) for rows in every if rows.any()]
+    by_sample = [rows.reshape(recorded, -1, rows.shape[1]) for rows in every]
+    return [rows for rows in by_sample if shows_a_robot(rows)]
+
+
+def shows_a_robot(rows: Float[np.ndarray, "samples axes _"]) -> bool:
+    """Whether more than a constant explains the right side of an equation.
+
+    Wheels of one speed on a table have a momentum that the constant one balances, and
+    parameters of zero fit as well as any.
+    """
+    axes = rows.shape[1]
+    constant = rows[..., [*range(axes), -1]].reshape(-1, axes + 1)
+    R = fold(np.zeros((axes + 1,) * 2), constant)
+    return bool(abs(R[-1, -1]) > SHOWS * np.linalg.norm(rows[..., -1]))
 
 
 def _parts(

@@ -13,7 +13,7 @@ from captured_bodies import (
 from clean_recordings import RATE, clean_space
 from random_motions import random_motion
 
-from orbident.estimation.changes import changes_of, left_by_two
+from orbident.estimation.changes import changes_of, left_by_two, shows_a_robot
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -80,3 +80,13 @@ def test_a_capture_and_a_release():
 def test_one_robot_does_not_change(duration):
     recording = clean_space(seed=3, duration=duration).recording
     assert changes_of(problem_of(recording)) == ()
+
+
+@pytest.mark.parametrize(("changes", "shown"), [(1e-5, False), (1e-2, True)])
+def test_wheels_of_one_speed_show_no_robot_on_a_table(changes: float, shown: bool):
+    """A constant momentum balances theirs: parameters of zero solve Eq. 24."""
+    random = np.random.default_rng(2)
+    rows = random.normal(size=(50, 1, 4))
+    rows[..., 0] = -1.0
+    rows[..., -1] = 0.3 * (1 + changes * random.normal(size=(50, 1)))
+    assert shows_a_robot(rows) is shown

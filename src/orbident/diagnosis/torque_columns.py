@@ -1,0 +1,172 @@
+"""Torque columns of another sign, order or unit, as CAD and the motion show them.
+
+What a motion takes of joints follows from CAD values within what these are off. Of a
+column that is written as it should be little is left beside it, friction and what a
+motor's rotor takes. Where another joint, sign or unit leaves far less, it is that.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import CubicSpline
+from scipy.optimize import linear_sum_assignment, nnls
+
+from orbident.estimation.checks import Check
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.sensors import joints_with_torques, torque_column
+from orbident.files.names import joined
+from orbident.model.equations_of_motion import motion_with, movable
+from orbident.robot.description import Robot
+
+ROWS = 2000
+"""So many samples, spread over a recording, show a wrong column as well as all do."""
+
+KNOWN = 5.0
+"""Times: what joints carry is known better than that before they are built."""
+
+FAR_BETTER = 10.0
+"""Times less that is left of the squares of a column that is wrong, put right. With CAD
+values 10 % off, columns written right left 0.2 to 2 %, and other ones half and more."""
+
+FEWEST = 100
+"""Samples: of fewer, five numbers explain too much."""
+
+TINY = 1e-300
+"""In place of nothing, whose logarithm is no number."""
+
+LEFT = 0.3
+"""The most that may be left of the squares of a column where it is written right."""
+
+UNITS = {1e3: "in mN m", 1e-3: "in kN m"}
+"""Units that columns may be in, by how many of them are one N m."""
+
+
+class ColumnFit(NamedTuple):
+    """How a column shows the torque of a joint."""
+
+    as_it_should: float
+    """Part of the column's squares that is left with a gain that CAD allows."""
+    sign: float
+    """Of torque, friction and rotor together; 1 as it should be."""
+    gain: float
+    """Times the torque by CAD that the column shows; zero where friction is all."""
+    left: float
+    """Part of the squares that is left with this gain."""
+
+
+def plain_torques(problem: MomentumProblem) -> list[Check]:
+    """Torque columns that are plainly written otherwise, which no fit is needed to see.
+
+    Thrust pulls at joints, and passive ones move by themselves: then nothing is said.
+    """
+    robot, samples = problem.robot, problem.samples
+    names = joints_with_torques(robot, problem.recording)
+    moved = np.column_stack([*samples.q, *samples.w, *samples.qd, *samples.qd_rw])
+    seen = np.isfinite(moved).all(axis=1)
+    if not names or samples.wrenches or robot.passive or seen.sum() < FEWEST:
+        return []
+    columns = [problem.recording.columns[torque_column(name)] for name in names]
+    torques, t, K = np.column_stack(columns), problem.recording.t, len(robot.joints)
+    first, last = samples.t[seen][[0, -1]]
+    at = np.flatnonzero(np.isfinite(torques).all(axis=1) & (first <= t) & (t <= last))
+    at = at[:: max(at.size // ROWS, 1)]
+    if at.size < FEWEST:
+        return []
+    motion = CubicSpline(samples.t[seen], moved[seen])
+    x, change = motion(t[at]), motion(t[at], 1)
+    taken = torques_by(robot, x[:, :K], x[:, K:], change[:, K:])
+    of_rates = slice(K + 3, 2 * K + 3)
+    joints = [robot.joint_names.index(name) for name in names]
+    table = [
+        [
+            _shown(column, taken[:, k], x[:, of_rates][:, k], change[:, of_rates][:, k])
+            for k in joints
+        ]
+        for column in torques[at].T
+    ]
+    words = "; ".join(_wrong(names, table))
+    reason = f"{words}: CAD and the motion explain them then, and not as recorded"
+    remedy = "correct the columns, or the robot file"
+    return [Check("cause", "do not trust", reason, remedy)] if words else []
+
+
+def torques_by(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    rates: Float[np.ndarray, "n rates"],
+    accelerations: Float[np.ndarray, "n rates"],
+) -> Float[np.ndarray, "n joints"]:
+    """Torques that a motion takes of joints, N m or N.
+
+    Args:
+        robot: with what is known of its bodies.
+        q: joint positions, rad or m.
+        rates: of the base, joints and wheels.
+        accelerations: of these; the base floats, and its own are not used.
+    """
+    may = movable(robot)
+    none, joints = np.zeros((len(q), 3)), slice(6, 6 + q.shape[1])
+    free = may & (np.arange(may.size) < joints.start)
+    v, v_dot = (np.hstack([none, x]) * may for x in (rates, accelerations))
+    return motion_with(robot, q, v, v_dot * ~free, free).Q[:, joints]
+
+
+def _shown(
+    column: Float[np.ndarray, " n"],
+    taken: Float[np.ndarray, " n"],
+    qd: Float[np.ndarray, " n"],
+    qdd: Float[np.ndarray, " n"],
+) -> ColumnFit:
+    """A column as the torque of a joint, with friction and a rotor of at least zero."""
+    whole = max(float(np.sum(np.square(column - column.mean()))), TINY)
+    fits = []
+    for sign in (1.0, -1.0):
+        other = sign * np.column_stack([qdd, qd, np.sign(qd)])
+        beside = np.column_stack([other, np.ones_like(qd), -np.ones_like(qd)])
+        own = sign * taken
+        (gain, *_), left = nnls(np.column_stack([own, beside]), column)
+        # Friction and a rotor may be all that a column shows.
+        known = 0.0, np.clip(gain, 1 / KNOWN, KNOWN)
+        held = min(nnls(beside, column - each * own)[1] for each in known)
+        fits.append(ColumnFit(held**2 / whole, sign, gain, max(left**2 / whole, TINY)))
+    # As it should be, the sign is the first one.
+    return min(fits, key=lambda fit: fit.left)._replace(
+        as_it_should=fits[0].as_it_should
+    )
+
+
+def _wrong(names: Sequence[str], table: Sequence[Sequence[ColumnFit]]) -> Iterator[str]:
+    """What is wrong, by how each column shows each joint."""
+    left = np.array([[each.left for each in row] for row in table])
+    _, owners = linear_sum_assignment(np.log(left))
+    true = [row[k] for row, k in zip(table, owners, strict=True)]
+    plain = [
+        one.left < min(LEFT, row[k].as_it_should / FAR_BETTER)
+        for k, (one, row) in enumerate(zip(true, table, strict=True))
+    ]
+    moved = np.flatnonzero(owners != np.arange(len(names)))
+    if moved.size and all(plain[k] for k in moved):
+        order = joined([f"{names[k]} shows {names[owners[k]]}" for k in moved])
+        yield f"torques are in another order, or the joints are ({order})"
+    turned = [names[k] for k, one in enumerate(true) if plain[k] and one.sign < 0]
+    if turned:
+        of = joined(turned)
+        yield f"the sign of the torque of {of}, or of the joint, is the opposite"
+    far = [
+        (name, one)
+        for name, one in zip(names, true, strict=True)
+        if one.left < LEFT and one.gain and not 1 / KNOWN < one.gain < KNOWN
+    ]
+    # Of a unit that is the same for all, each column says something.
+    if np.prod([one.as_it_should / one.left for _, one in far]) > FAR_BETTER:
+        gain = float(np.median([one.gain for _, one in far]))
+        other = (
+            f"{gain:.2g} times what CAD says (its unit, or the motor's side of a gear)"
+        )
+        units = [
+            each for size, each in UNITS.items() if 1 / KNOWN < gain / size < KNOWN
+        ]
+        which = joined([name for name, _ in far])
+        yield f"the torque of {which} is {[*units, other][0]}"
