@@ -24,6 +24,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import mujoco
@@ -36,7 +37,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Robot
+from orbident.robot.description import GearedRotor, Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.measure import measure_truth
 
@@ -86,6 +87,8 @@ class Swings(NamedTuple):
     """Hz."""
     duration: float = 60.0
     """s."""
+    rotors: Mapping[str, GearedRotor] = MappingProxyType({})
+    """That turn in MuJoCo; the robot file says nothing of them."""
 
 
 def satellite(*, panels: bool) -> ET.Element:
@@ -189,6 +192,34 @@ def flexible(joints: Sequence[str], hz: float, rate: int, within: float) -> Swin
     )
 
 
+GEAR, ROTOR = 100.0, 1e-3
+"""Of a motor: its rotor, kg m^2, has 10 kg m^2 on the joint's side."""
+
+
+def geared(hz: float, rate: int, within: float) -> Swings:
+    """An elbow on a spring behind a geared motor, whose rotor is a body in MuJoCo."""
+    case = flexible(["elbow"], hz, rate, within)
+    flown, rotor = case.flown, "elbow's rotor"
+    (upper,) = (x for x in flown.iter("body") if x.get("name") == "upper")
+    for joint in flown.iter("joint"):
+        if joint.get("name") == "elbow":
+            del joint.attrib["armature"]
+    # About y, and symmetric. At rest it is part of the body that carries it.
+    I = ROTOR * np.array([0.6, 1.0, 0.6])
+    inertial = upper.find("inertial")
+    assert inertial is not None
+    whole = np.fromstring(inertial.get("diaginertia", ""), sep=" ")
+    inertial.set("diaginertia", " ".join(map(str, whole - I)))
+    body = ET.SubElement(upper, "body", name=rotor, pos="0 0 0.75")
+    ET.SubElement(body, "joint", name=rotor, axis="0 1 0")
+    own = {"mass": "1e-6", "diaginertia": " ".join(map(str, I))}
+    ET.SubElement(body, "inertial", own, pos="0 0 0")
+    stiff = {"solref": "0.004 1", "solimp": "0.999 0.9999 0.001"}
+    both = {"joint1": rotor, "joint2": "elbow", "polycoef": f"0 {GEAR} 0 0 0"}
+    ET.SubElement(ET.SubElement(flown, "equality"), "joint", both | stiff)
+    return case._replace(rotors={"elbow": GearedRotor(GEAR, ROTOR, 0.0)})
+
+
 CASES = {
     "two of one make at 0.5 Hz": lambda: panels(0.5, 0.5, one_make=True),
     "two at 0.3 and 1 Hz": lambda: panels(0.3, 1.0, one_make=False),
@@ -197,6 +228,7 @@ CASES = {
     "elbow at 1 Hz": lambda: flexible(["elbow"], 1.0, 50, 0.15),
     "elbow at 3 Hz": lambda: flexible(["elbow"], 3.0, 50, 0.1),
     "elbow at 10 Hz": lambda: flexible(["elbow"], 10.0, 100, 0.05),
+    "elbow at 3 Hz, geared": lambda: geared(3.0, 50, 0.1),
     "all joints at 3 Hz": lambda: flexible(["shoulder", "elbow"], 3.0, 50, 0.1),
 }
 
@@ -256,7 +288,7 @@ def scores(result: Result, true: Robot, case: Swings) -> tuple[list, list, list]
 
     The last are frequencies, relative.
     """
-    beta = minimal_sets(result.robot).beta(true.theta)
+    beta = minimal_sets(replace(true, rotors=case.rotors)).beta(true.theta)
     of_base = (result.base.values - beta) / result.base.std
     springs = [(fit, case.hz[name]) for name, fit in result.springs.items()]
     of_springs = [

@@ -26,6 +26,12 @@ MOST = 4
 TOGETHER = 0.5
 """Part of the joints and sensors that jump at once where time does."""
 
+ODD = 100.0
+"""Times farther from a whole number of steps than any other row is."""
+
+ROUNDING = 1e-6
+"""Of a step: what times in files leave."""
+
 RATES = ("gyro", "velocity")
 OF_THE_BASE = ("position", "attitude", *RATES)
 
@@ -52,6 +58,7 @@ def jumping(problem: MomentumProblem, sensor: str, rows: Sequence[int]) -> Suspe
 
 def jumps(problem: MomentumProblem, shown: Estimate, before: float) -> Iterator[Trial]:
     """Tried: the sensor, or the time, put right from then on."""
+    yield from _odd_step(problem)
     by_sensor = shown_by(problem.robot, problem.recording)
     every = (
         jumps_of(sensor, problem.recording.t, x) for sensor, x in by_sensor.items()
@@ -93,18 +100,41 @@ def _lost_rows(problem: MomentumProblem, at_once: list[Jump]) -> Iterator[Trial]
     row = at_once[0].row
     at = f"at t = {problem.recording.t[row]:.4g} s"
 
-    def words(c: Numbers) -> str:
-        return (
-            f"all sensors jump {at}: rows are missing (a gap) there, or the clock was "
-            f"set, and {c[0]:.3g} s of time are lost"
-        )
+    words = (
+        f"all sensors jump {at}: rows are missing (a gap) there, or the clock was set, "
+        "and {:.3g} s of time are lost"
+    )
+    return _later(problem, row, lost, words)
+
+
+def _odd_step(problem: MomentumProblem) -> Iterator[Trial]:
+    """One row whose time is no whole number of steps after the one before it.
+
+    All other rows are as far from each other as clocks that are read at each.
+    """
+    t = problem.recording.t
+    step = float(np.median(np.diff(t)))
+    off = np.diff(t) / step - np.round(np.diff(t) / step)
+    *_, next_one, odd = np.argsort(np.abs(off))
+    if abs(off[odd]) > ODD * max(abs(off[next_one]), ROUNDING):
+        row, lost = int(odd) + 1, float(step - np.diff(t)[odd])
+        way = "back" if lost > 0 else "forward"
+        words = f"the clock was set {way} by {abs(lost):.3g} s at t = {t[row]:.4g} s"
+        for one in _later(problem, row, lost, f"{words}, as the times of rows show"):
+            yield one._replace(seen=True)
+
+
+def _later(
+    problem: MomentumProblem, row: int, lost: float, words: str
+) -> Iterator[Trial]:
+    """Tried: all rows from one on are so much later, s; the words may name that."""
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         recording = problem.recording
         later = np.arange(recording.t.size) >= row
         return problem.amended(recording=replace(recording, t=recording.t + c * later))
 
-    suspect = Suspect(words, np.array([1e-4]), corrected)
+    suspect = Suspect(lambda c: words.format(c[0]), np.array([1e-4]), corrected)
     return tried(problem, suspect, Score(np.array([lost]), np.ones(1), 0.0), np.inf)
 
 

@@ -146,8 +146,8 @@ def _wrong(names: Sequence[str], table: Sequence[Sequence[ColumnFit]]) -> Iterat
         one.left < min(LEFT, row[k].as_it_should / FAR_BETTER)
         for k, (one, row) in enumerate(zip(true, table, strict=True))
     ]
-    moved = np.flatnonzero(owners != np.arange(len(names)))
-    if moved.size and all(plain[k] for k in moved):
+    moved = [k for k, owner in enumerate(owners.tolist()) if owner != k]
+    if moved and all(plain[k] for k in moved):
         order = joined([f"{names[k]} shows {names[owners[k]]}" for k in moved])
         yield f"torques are in another order, or the joints are ({order})"
     turned = [names[k] for k, one in enumerate(true) if plain[k] and one.sign < 0]

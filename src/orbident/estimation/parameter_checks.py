@@ -21,7 +21,7 @@ from orbident.estimation.output_error.disturbance_sizes import IMPOSSIBLE
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
 from orbident.estimation.unknowns import DriveFit
-from orbident.model.core_robot import rotor_deviations
+from orbident.model.core_robot import rotor_deviations, spinning_rotors
 from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
 
@@ -277,8 +277,11 @@ def _energy(
 ) -> Float[np.ndarray, "n all all"]:
     """Matrices of the kinetic energy, in the axes in which momentum is conserved."""
     sets = problem.sets
-    at = inertia(replace(robot, theta=sets.theta(beta)), q)
-    return at.energy(sets.regressors.momentum_axes)
+    axes = sets.regressors.momentum_axes
+    at = inertia(replace(robot, theta=sets.theta(beta)), q).energy(axes)
+    # A motor of a flexible joint lacks what its rotor's energy has beside momentum.
+    motors = [len(axes) + k for k in spinning_rotors(robot)]
+    return np.delete(np.delete(at, motors, axis=1), motors, axis=2)
 
 
 def possible_numbers(estimate: Estimate) -> Iterator[Check]:

@@ -214,4 +214,5 @@ def _known(
         com_on_axis=None if None in axes else a.com_on_axis,
         principal_axes=a.principal_axes and b.principal_axes,
         massless=a.massless and b.massless,
+        spins_about=a.spins_about if a.spins_about == b.spins_about else None,
     )

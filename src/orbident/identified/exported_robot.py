@@ -24,6 +24,7 @@ from orbident.model.core_robot import (
     lacking_rotors,
     rotor_deviations,
     rotors_of,
+    spinning_parts,
     theta_with_rotors,
 )
 from orbident.model.minimal_sets import minimal_sets
@@ -279,7 +280,7 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
             from a URDF, a simulator's body has no mass, or cvxpy is not installed.
     """
     robot = result.robot
-    massless = [body for body, each in robot.structure.items() if each.massless]
+    massless = [body for body, each in robot.structure.items() if not each.has_mass]
     if massless and not without_rotors:
         none = f"simulators have no bodies without mass, such as '{massless[0]}'"
         raise InputError(f"{robot.name}: {none}; export a .urdf")
@@ -306,7 +307,9 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
         for name, fit in result.drives.items()
     }
     friction = {**robot.friction, **found}
-    made = replace(robot, theta=bodies.theta - geared, friction=friction)
+    theta = bodies.theta - geared
+    theta = theta - spinning_parts(robot, theta)
+    made = replace(robot, theta=theta, friction=friction)
     return ExportedRobot(made, mechanism_of(made, wheels), bodies.deviation)
 
 

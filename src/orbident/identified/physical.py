@@ -19,7 +19,7 @@ from scipy.special import chdtri
 
 from orbident.estimation.result import Result
 from orbident.extras import extra
-from orbident.model.core_robot import theta_with_rotors
+from orbident.model.core_robot import spinning_parts, theta_with_rotors
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, check_known, reconstructed, root_of
 from orbident.robot.description import Robot, Structure
@@ -107,6 +107,8 @@ def physical_bodies(
     result.check_accepted()
     robot, beta = result.robot, result.base.values
     check_known(robot, beta)
+    by_beta = (minimal_sets(robot).base.theta_of @ beta).reshape(apart.shape)
+    apart = apart + spinning_parts(robot, by_beta - apart)
     met = _equations(robot, beta, apart)
     found = _exactly(met) or _within_covariance(covariance, met)
     if found is None or np.linalg.eigvalsh(found[0]).min() <= 0:
@@ -155,7 +157,7 @@ def _equations(
     Bodies that are known to be massless are none.
     """
     known = (robot.structure.get(body, Structure()) for body in robot.bodies)
-    exist = np.array([not each.massless for each in known])
+    exist = np.array([each.has_mass for each in known])
     size2 = sum(_second_moments(each).trace() for each in robot.theta) / robot.mass
     bodies = theta_with_rotors(robot) - apart
     nominal = np.array([_possible(each, robot.mass, size2) for each in bodies])
@@ -165,6 +167,9 @@ def _equations(
     C = np.vstack([minimal_sets(robot).base.T, zero])
     A = C @ theta_of_X
     b = np.concatenate([beta, np.zeros(len(zero))]) - C @ apart.ravel()
+    # What rotors alone have, no body has.
+    of_bodies = A.any(axis=1)
+    A, b = A[of_bodies], b[of_bodies]
     scale = np.linalg.norm(A, axis=1)
     return _Equations(A / scale[:, None], b / scale, scale, theta_of_X)
 

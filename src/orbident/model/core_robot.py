@@ -22,8 +22,14 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.files.names import listed
-from orbident.robot.description import NO_FRICTION, NO_ROTOR, GearedRotor, Robot
-from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
+from orbident.robot.description import (
+    NO_FRICTION,
+    NO_ROTOR,
+    GearedRotor,
+    Robot,
+    Structure,
+)
+from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES, PER_BODY, SYMBOLS
 
 
 class Wheels(NamedTuple):
@@ -139,6 +145,29 @@ def rotor_parts(robot: Robot) -> Float[np.ndarray, "theta joints"]:
 def rotor_deviations(robot: Robot) -> Float[np.ndarray, "theta joints"]:
     """The standard deviations of what each declared rotor adds."""
     return rotor_parts(robot) * rotors_of(robot).tolerance
+
+
+def spinning_rotors(robot: Robot) -> dict[int, int]:
+    """The places in the flat `theta` of rotors that are bodies of their own, by joint.
+
+    Behind the motor of a flexible joint momentum shows `N J` apart from the link.
+    """
+    axes = [robot.structure.get(body, Structure()).spins_about for body in robot.bodies]
+    return {
+        k: PER_BODY * (k + 1) + SYMBOLS.index("I" + 2 * axis)
+        for k, axis in enumerate(axes[1:])
+        if axis is not None
+    }
+
+
+def spinning_parts(
+    robot: Robot, theta: Float[np.ndarray, "bodies 10"]
+) -> Float[np.ndarray, "bodies 10"]:
+    """What such rotors have of a `theta`, as momentum sees it."""
+    found, directions = np.zeros(theta.size), rotor_directions(robot)
+    for k, place in spinning_rotors(robot).items():
+        found += theta.ravel()[place] * directions[k]
+    return found.reshape(theta.shape)
 
 
 def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:

@@ -288,10 +288,11 @@ def check_definite(robot: Robot) -> None:
 def _refuse_identified(
     robot: Robot, who: str, q: Float[np.ndarray, " joints"]
 ) -> NoReturn:
-    if any(each.massless for each in robot.structure.values()):
+    if not all(each.has_mass for each in robot.structure.values()):
         raise InputError(
-            f"{robot.name}: {who} can turn or slide without moving any mass, as behind "
-            "the motor of a flexible joint: there is no H+ of such a robot"
+            f"{robot.name}: {who} can turn or slide without moving any mass, as the "
+            "motor of a flexible joint without its rotor: there is no H+ of such a "
+            "robot; give the motor under 'rotors' in the robot file"
         )
     at = joined(f"{x:.3g}" for x in q)
     raise IndefiniteError(

@@ -284,11 +284,20 @@ class Structure:
     """The inertia has no products in body axes."""
     massless: bool = False
     """It only carries joints."""
+    spins_about: Axis | None = None
+    """It is the rotor of its joint's motor: it has inertia about this axis alone."""
+
+    @property
+    def has_mass(self) -> bool:
+        """Whether it is a body, and not a rotor or nothing."""
+        return not self.massless and self.spins_about is None
 
     def zero_parameters(self) -> frozenset[str]:
         """The symbols of `theta_i` that this knowledge makes zero."""
         if self.massless:
             return frozenset(SYMBOLS)
+        if self.spins_about is not None:
+            return frozenset(SYMBOLS) - {"I" + 2 * self.spins_about}
         zero = set()
         if self.com_on_axis is not None:
             zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}

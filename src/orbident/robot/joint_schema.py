@@ -334,6 +334,7 @@ def with_flexible_joints(
     }
     passive = dict(document.get("passive", {}))
     structure = dict(document.get("structure", {}))
+    rotors = document.get("rotors", {})
     for name, spring in document["flexible"].items():
         if name not in joints:
             raise InputError(
@@ -347,13 +348,26 @@ def with_flexible_joints(
             )
         like = {"like": flexibility(spring["like"])} if "like" in spring else {}
         passive[flexibility(name)] = {**spring, **like}
-        structure[f"{name}{MOTOR}"] = {"massless": True}
+        none = rotors == NONE or rotors.get(name) == NONE
+        axis = None if none else _along(joints[name])
+        structure[f"{name}{MOTOR}"] = (
+            {"massless": True} if axis is None else {"spins_about": axis}
+        )
         _split(root, joints[name], f"{name}{MOTOR}")
     others = {key: each for key, each in document.items() if key != "flexible"}
     return (
         {**others, "passive": passive, "structure": structure},
         ET.tostring(root, encoding="unicode") + "\n",
     )
+
+
+def _along(joint: ET.Element) -> str | None:
+    """The axis of its frame about which a joint turns, where it is one of these."""
+    axis = joint.find("axis")
+    given = (axis.get("xyz", "") if axis is not None else "1 0 0").split()
+    a = np.abs(np.array(given, dtype=float))
+    k = int(np.argmax(a))
+    return "xyz"[k] if a[k] >= (1 - ALONG) * np.linalg.norm(a) else None
 
 
 def _split(root: ET.Element, joint: ET.Element, between: str) -> None:

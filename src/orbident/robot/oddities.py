@@ -102,14 +102,16 @@ def contradictions(
     """One sentence for each body and kind of knowledge that theta contradicts.
 
     Raises:
-        InputError: a body that is said to be massless is none.
+        InputError: a body that is said to be massless, or a rotor alone, is none.
     """
     warnings = []
     for body, theta_i in zip(bodies, theta, strict=True):
         known = structure.get(body, Structure())
-        if known.massless and (theta_i.any() or body == bodies[0]):
+        empty = known.massless or known.spins_about
+        if empty and (theta_i.any() or body == bodies[0]):
+            what = "massless" if known.massless else "spins_about"
             raise InputError(
-                f"structure: {body}: massless, but it is the base or has a nominal "
+                f"structure: {body}: {what}, but it is the base or has a nominal "
                 "mass or inertia; leave out one"
             )
         s = theta_i[FIRST_MOMENT]
@@ -178,7 +180,7 @@ def _run(robot: Robot) -> Iterator[str]:
 def _massless(robot: Robot) -> Iterator[str]:
     names = [
         body for body, theta in zip(robot.bodies, robot.theta, strict=True)
-        if not (theta.any() or robot.structure.get(body, Structure()).massless)
+        if not theta.any() and robot.structure.get(body, Structure()).has_mass
     ]  # fmt: skip
     if names:
         yield (

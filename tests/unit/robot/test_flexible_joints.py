@@ -8,7 +8,13 @@ from urdf_texts import ARM, joint, link, robot
 from orbident.errors import InputError
 from orbident.estimation.weigh import weigh
 from orbident.identified.exported_robot import exported_urdf
+from orbident.model.core_robot import (
+    spinning_parts,
+    spinning_rotors,
+    theta_with_rotors,
+)
 from orbident.model.equations_of_motion import check_regular
+from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Passive, Structure
@@ -22,7 +28,7 @@ def test_a_passive_joint_stands_behind_it(load_yaml):
     assert found.joint_names == ("joint1", "joint2", "joint2's flexibility")
     assert found.bodies == ("base", "link1", "joint2's motor", "link2")
     assert found.passive == {"joint2's flexibility": Passive(3.0, 0.005, 0.1)}
-    assert found.structure == {"joint2's motor": Structure(massless=True)}
+    assert found.structure == {"joint2's motor": Structure(spins_about="y")}
     motor, spring = found.joints[1:]
     np.testing.assert_array_equal(motor.p_PJ, stiff.joints[1].p_PJ)
     np.testing.assert_array_equal(spring.axis, motor.axis)
@@ -33,10 +39,27 @@ def test_a_passive_joint_stands_behind_it(load_yaml):
 
 
 def test_base_parameters_are_those_of_the_stiff_robot(load_yaml):
-    flexible, stiff = load_yaml(ELBOW), load_yaml()
+    flexible, stiff = load_yaml(f"rotors: none\n{ELBOW}"), load_yaml()
     found, of_stiff = (minimal_sets(x).beta(x.theta) for x in (flexible, stiff))
     # Rounding in matrices of some ten rows.
     np.testing.assert_allclose(found, of_stiff, atol=1e-9)
+
+
+def test_a_rotor_before_the_spring_is_one_parameter_more(load_yaml):
+    """The link does not turn as the motor does: momentum shows `N J` by itself."""
+    rotor = "rotors: {joint1: none, joint2: {gear: 100, inertia: 1e-3 kg m^2}}"
+    known, stiff = load_yaml(f"{rotor}\n{ELBOW}"), load_yaml()
+    sets = minimal_sets(known)
+    names = formulas_of(known, sets).base.formulas
+    k = names.index("Iyy(joint2's motor) + rotor(joint2)")
+    assert sets.beta(known.theta)[k] == pytest.approx(0.1)
+    assert len(names) == len(minimal_sets(stiff).base.T) + 1
+    (found,) = spinning_rotors(known)
+    assert known.joint_names[found] == "joint2"
+    with_rotors = theta_with_rotors(known)
+    np.testing.assert_allclose(
+        spinning_parts(known, with_rotors), with_rotors - known.theta
+    )
 
 
 def test_the_exported_urdf_is_the_stiff_one(load_yaml, tmp_path):
@@ -106,11 +129,6 @@ def test_of_one_make(load_yaml):
             "passive: {joint1: {frequency: 1}}\nflexible: {joint1: {frequency: 3 Hz}}",
             "flexible.joint1: the joint is passive",
         ),
-        (
-            "rotors: {joint1: {gear: 100, inertia: 1e-4}}\n"
-            "flexible: {joint1: {frequency: 3 Hz}}",
-            "rotors.joint1: 'joint1's motor' is massless",
-        ),
     ],
 )
 def test_what_is_wrong_is_one_line(load_yaml, lines, words):
@@ -126,4 +144,12 @@ def test_what_is_wrong_is_one_line(load_yaml, lines, words):
 @pytest.mark.parametrize("rotors", ["none", "{joint2: none}"])
 def test_a_motor_without_a_gear_has_no_rotor(load_yaml, rotors):
     found = load_yaml(f"rotors: {rotors}\n{ELBOW}")
-    assert "joint2's flexibility" in found.passive
+    assert found.structure == {"joint2's motor": Structure(massless=True)}
+
+
+def test_a_rotor_about_no_axis_of_the_link_has_no_place(load_yaml):
+    """Then momentum would show its products of inertia, which nothing else has."""
+    tilted = ARM.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 0.6 0.8"/>')
+    assert load_yaml(ELBOW, tilted).structure["joint2's motor"].massless
+    with pytest.raises(InputError, match="'joint2's motor' is massless"):
+        load_yaml(f"rotors: {{joint2: {{gear: 9, inertia: 1}}}}\n{ELBOW}", tilted)

@@ -29,6 +29,7 @@ from orbident.estimation.solution import (
 )
 from orbident.estimation.triangular import triangular_factor
 from orbident.estimation.unknowns import Unknown
+from orbident.model.core_robot import rotors_of, spinning_rotors
 from orbident.model.kinematics import carried_inertia, first_moments, poses
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
@@ -103,7 +104,7 @@ def prior_of(
 def carried_rows(
     robot: Robot, sets: MinimalSets, errors: Sequence[str]
 ) -> Float[np.ndarray, "rows columns"]:
-    """What is known of what passive joints carry, and of two of one make.
+    """What is known of what passive joints carry, of two of one make, and of rotors.
 
     Whitened equations over `[outside | beta | errors]`. Relative to the nominal ones,
     inertias are one, and those of one make are alike, as their frequencies are.
@@ -122,6 +123,12 @@ def carried_rows(
             for what in ("frequency", "damping")
         }
         rows.append(own[name]["inertia"] / max(passive.inertia, HELD))
+    momenta, _, tolerances = rotors_of(robot)
+    for k, place in spinning_rotors(robot).items():
+        if momenta[k]:
+            by = sets.base.theta_of[place] / momenta[k]
+            row = [np.zeros(OUTSIDE), by, np.zeros(len(errors)), [1.0]]
+            rows.append(np.concatenate(row) / max(tolerances[k], HELD))
     rows += [
         (own[name][what] - own[passive.like][what]) / std
         for name, passive in robot.passive.items()
