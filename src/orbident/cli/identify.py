@@ -109,12 +109,7 @@ def identify(
         pushed = None if burn is None else oi.read_recording(burn)
     with progress("identifying") as done:
         result = oi.identify(
-            described,
-            tables,
-            method,
-            initial_momentum,
-            pushed,
-            progress=done,
+            described, tables, method, initial_momentum, pushed, progress=done
         )
     if result.status == "rejected":
         with progress("looking for the cause"):

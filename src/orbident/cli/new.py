@@ -14,8 +14,7 @@ from orbident.cli.output import Output
 def new(
     output: Output,
     robot: Annotated[
-        Path,
-        typer.Argument(metavar="FILE", help="The robot file to write (.yaml)."),
+        Path, typer.Argument(metavar="FILE", help="The robot file to write (.yaml).")
     ],
     joints: Annotated[
         int | None,

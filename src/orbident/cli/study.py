@@ -54,8 +54,7 @@ def study(
     seeds: Annotated[
         int,
         typer.Option(
-            help="Number of runs with noise, for RMS and worst errors.",
-            min=1,
+            help="Number of runs with noise, for RMS and worst errors.", min=1
         ),
     ] = 1,
     seed: Annotated[int, typer.Option(help="Random seed of the first run.", min=0)] = 0,

@@ -68,9 +68,7 @@ class CramerRao(NamedTuple):
 
 @one_blas_thread
 def bound_of(
-    robot: Robot,
-    trajectory: Trajectory,
-    initial_momentum: InitialMomentum = "unknown",
+    robot: Robot, trajectory: Trajectory, initial_momentum: InitialMomentum = "unknown"
 ) -> CramerRao:
     """The bound of `pi`, `phi` and the base parameters, at their nominal values.
 
@@ -137,9 +135,7 @@ def bound_of(
 
 
 def log_deviation(
-    robot: Robot,
-    trajectory: Trajectory,
-    initial_momentum: InitialMomentum = "unknown",
+    robot: Robot, trajectory: Trajectory, initial_momentum: InitialMomentum = "unknown"
 ) -> float:
     """The logarithm of the geometric mean of the base parameters' least deviations.
 

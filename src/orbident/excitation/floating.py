@@ -20,6 +20,11 @@ from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
 
+JointNodes = Float[np.ndarray, "nodes joints"]
+"""Of joints at nodes of a motion, rad or m, and s."""
+Standing = Float[np.ndarray, "joints 3"]
+"""Position, rate and acceleration of each joint at an end, rad or m, and s."""
+
 Rows = Float[np.ndarray, "n axes columns"]
 
 
@@ -193,12 +198,7 @@ class Craft:
     """Of S at the start, inertial axes, m/s."""
     floating: _core.Floating
 
-    def along(
-        self,
-        q: Float[np.ndarray, "nodes joints"],
-        qd: Float[np.ndarray, "nodes joints"],
-        dt: float,
-    ) -> NodalMotion:
+    def along(self, q: JointNodes, qd: JointNodes, dt: float) -> NodalMotion:
         """Eqs. 2, 17, 18 along a joint motion, given at nodes and mid-nodes in turn.
 
         Positions are in rad or m; `dt`, from node to node, in s.
@@ -219,11 +219,8 @@ class Craft:
         return NodalMotion(self, q, qd, dt, Y, W, w, x_WB)
 
     def pull_back(
-        self,
-        q: Float[np.ndarray, "nodes joints"],
-        qd: Float[np.ndarray, "nodes joints"],
-        f: Gradient,
-    ) -> tuple[Float[np.ndarray, "nodes joints"], Float[np.ndarray, "nodes joints"]]:
+        self, q: JointNodes, qd: JointNodes, f: Gradient
+    ) -> tuple[JointNodes, JointNodes]:
         """The gradient with respect to `q` and `qd` at nodes and mid-nodes."""
         motion, regressors = f.motion, self.sets.regressors
         assert motion.laws is not None
@@ -253,7 +250,7 @@ def craft_of(
     robot: Robot,
     sets: MinimalSets,
     initial: InitialState,
-    start: Float[np.ndarray, "joints 3"],
+    start: Standing,
     at_rest: bool,
 ) -> Craft:
     """The robot as it starts a manoeuvre.
@@ -298,7 +295,7 @@ NO_MOMENTUM = 1e-6
 
 def usual_initial(
     robot: Robot,
-    start: Float[np.ndarray, "joints 3"],
+    start: Standing,
     wheel_speed: float | None = None,
     at_rest: bool | None = None,
 ) -> InitialState:
@@ -320,7 +317,7 @@ def usual_initial(
 
 
 def spun_up(
-    robot: Robot, wheel_speed: dict[str, float], start: Float[np.ndarray, "joints 3"]
+    robot: Robot, wheel_speed: dict[str, float], start: Standing
 ) -> InitialState:
     """The state after the wheels spun up when all was at rest (Eq. 25).
 
@@ -334,9 +331,7 @@ def spun_up(
     return InitialState(w, velocity=-p / robot.mass, wheel_speed=wheel_speed)
 
 
-def was_at_rest(
-    robot: Robot, initial: InitialState, start: Float[np.ndarray, "joints 3"]
-) -> bool:
+def was_at_rest(robot: Robot, initial: InitialState, start: Standing) -> bool:
     """Whether the momentum is zero although wheels spin: `h_cm = 0` (Eqs. 25, 26)."""
     _, h_cm = momentum_at_start(robot, initial, start, at_rest=False)
     size = np.linalg.norm(_wheels_momentum(robot, initial))
@@ -344,10 +339,7 @@ def was_at_rest(
 
 
 def momentum_at_start(
-    robot: Robot,
-    initial: InitialState,
-    start: Float[np.ndarray, "joints 3"],
-    at_rest: bool,
+    robot: Robot, initial: InitialState, start: Standing, at_rest: bool
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
     """The base rate, and `h_cm = R_0 (D w + D_q qd + h_rw)` in inertial axes.
 
@@ -367,9 +359,7 @@ def momentum_at_start(
     return initial.angular_velocity, h_cm
 
 
-def nutation(
-    robot: Robot, initial: InitialState, start: Float[np.ndarray, "joints 3"]
-) -> float:
+def nutation(robot: Robot, initial: InitialState, start: Standing) -> float:
     """A bound of how fast the base tumbles and nutates at the start, rad/s.
 
     In the plane nothing nutates, and the attitude is an integral over time.

@@ -38,11 +38,7 @@ from orbident.environment.motion import heavy_bodies
 from orbident.errors import InputError
 from orbident.excitation.conditions import BaseExtremes, Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
-from orbident.excitation.table_points import (
-    TableSize,
-    points_on_table,
-    size_of_table,
-)
+from orbident.excitation.table_points import TableSize, points_on_table, size_of_table
 from orbident.files.json_parts import nulled
 from orbident.model.core_robot import rotors_of, wheels_of
 from orbident.model.rotations import quaternion_matrix

@@ -76,9 +76,7 @@ class JointMotions(NamedTuple):
         )
 
     def pull_back(
-        self,
-        by_q: Float[np.ndarray, "n joints"],
-        by_qd: Float[np.ndarray, "n joints"],
+        self, by_q: Float[np.ndarray, "n joints"], by_qd: Float[np.ndarray, "n joints"]
     ) -> Float[np.ndarray, "free m"]:
         """The gradient with respect to `y`."""
         return self._gain.T @ (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])

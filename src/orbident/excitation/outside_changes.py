@@ -93,10 +93,7 @@ def _changes(
 
 @lru_cache(maxsize=64)
 def _still_changes(
-    robot: Robot,
-    nodes: int,
-    dt: float,
-    shortest: tuple[tuple[str, float | None], ...],
+    robot: Robot, nodes: int, dt: float, shortest: tuple[tuple[str, float | None], ...]
 ) -> MomentumChanges:
     """Of what depends on time alone: the same along each motion of a search."""
     allowed = {group: MayAct(1.0, least) for group, least in shortest}

@@ -77,10 +77,7 @@ class Descent:
     """One descent, and the best motion met on its way that is inside all limits."""
 
     def __init__(
-        self,
-        space: SearchSpace,
-        stage: DescentStage,
-        time_is_up: Callable[[], bool],
+        self, space: SearchSpace, stage: DescentStage, time_is_up: Callable[[], bool]
     ) -> None:
         """It ends early when the time is up, or a step leads far from all limits."""
         self._space, self._stage = space, stage

@@ -182,9 +182,7 @@ def _theta_of(result: Result) -> Float[np.ndarray, "theta beta"]:
     return theta_of
 
 
-def _free_of(
-    columns: Float[np.ndarray, "beta lost"],
-) -> Float[np.ndarray, "beta rows"]:
+def _free_of(columns: Float[np.ndarray, "beta lost"]) -> Float[np.ndarray, "beta rows"]:
     size = np.linalg.norm(columns, axis=0)
     if not size.any():
         return np.eye(len(columns))

@@ -103,11 +103,7 @@ def _body(parent: ET.Element, robot: Mechanism, k: int) -> ET.Element:
     x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
     body = ET.SubElement(parent, "body", name=name, pos=spaced(joint.p_PJ), quat=x)
     about = ET.SubElement(
-        body,
-        "joint",
-        name=joint.name,
-        type=KINDS[joint.kind],
-        axis=spaced(joint.axis),
+        body, "joint", name=joint.name, type=KINDS[joint.kind], axis=spaced(joint.axis)
     )
     if joint.position is not None:
         about.set("range", spaced(joint.within(LARGEST)))

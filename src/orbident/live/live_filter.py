@@ -119,11 +119,7 @@ def ran_through(before: Running, samples: Float[np.ndarray, "n all"]) -> Ran:
     """Take samples in, until one shows a change or the estimate is lost."""
     tools, t = before.tools, np.ascontiguousarray(samples[:, 0])
     state, watch, size, onset, beta, std, tests = tools.kalman.core.run(
-        before.state,
-        before.watch,
-        tools.detector.threshold,
-        t,
-        _packed(samples),
+        before.state, before.watch, tools.detector.threshold, t, _packed(samples)
     )
     numbers = np.hstack([beta[:size], std[:size], tests[:size]])
     sound = np.isfinite(numbers).all(axis=1) & (beta[:size, 0] > 0)

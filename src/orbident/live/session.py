@@ -176,9 +176,7 @@ def _put(
 
 
 def _running(
-    tools: Tools,
-    numbers: Float[np.ndarray, " n"],
-    watched: Float[np.ndarray, " m"],
+    tools: Tools, numbers: Float[np.ndarray, " n"], watched: Float[np.ndarray, " m"]
 ) -> Running:
     rows, window = tools.detector.rows, tools.detector.window
     state = tools.kalman.core.restored(numbers)

@@ -41,9 +41,7 @@ class Equations(NamedTuple):
 
 
 def equations_of_motion(
-    robot: Robot,
-    q: Float[np.ndarray, "n joints"],
-    v: Float[np.ndarray, "n speeds"],
+    robot: Robot, q: Float[np.ndarray, "n joints"], v: Float[np.ndarray, "n speeds"]
 ) -> Equations:
     """`H+`, `c+` and how S accelerates.
 
@@ -131,10 +129,7 @@ class Wrench(NamedTuple):
 
 
 def jacobian(
-    robot: Robot,
-    q: Float[np.ndarray, " joints"],
-    body: str,
-    p: Float[np.ndarray, "3"],
+    robot: Robot, q: Float[np.ndarray, " joints"], body: str, p: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "6 speeds"]:
     """`J_0,p` and `J_i,p` (A.1, A.2): how a point of a body moves, over `v`.
 

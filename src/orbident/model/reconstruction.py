@@ -143,10 +143,7 @@ class Dynamics:
         return self._shown(self._std(q, v)[1], rows=1)
 
     def jacobian(
-        self,
-        q: Float[np.ndarray, " joints"],
-        body: str,
-        point: Float[np.ndarray, "3"],
+        self, q: Float[np.ndarray, " joints"], body: str, point: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "6 speeds"]:
         """`J_0,p` and `J_i,p` (A.1, A.2): how a point of a body moves, over `v`.
 

@@ -25,6 +25,9 @@ from scipy.optimize import minimize
 from orbident import _core
 from orbident.gaussian import NINETY_FIVE, noisiest_std
 
+Samples = Float[np.ndarray, " n"]
+"""Of one axis, or their times, s."""
+
 FEWEST = 200
 """Samples: with less the parts cannot be told apart."""
 
@@ -77,7 +80,7 @@ class NoiseModel:
     misfit: float
     """-2 ln L."""
     samples: int
-    innovations: Float[np.ndarray, " n"]
+    innovations: Samples
     """Over their deviations: white if the model holds."""
 
     def value(self, name: str) -> float:
@@ -91,9 +94,7 @@ class NoiseModel:
 
 
 def best_model(
-    t: Float[np.ndarray, " n"],
-    y: Float[np.ndarray, " n"],
-    parts: Sequence[tuple[str, ...]] = PARTS,
+    t: Samples, y: Samples, parts: Sequence[tuple[str, ...]] = PARTS
 ) -> NoiseModel:
     """The model with the least information criterion: a part that is not there costs.
 
@@ -109,9 +110,7 @@ def best_model(
     return min((model for model in found if model), key=lambda model: model.bic)
 
 
-def noise_model(
-    t: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], parts: tuple[str, ...]
-) -> NoiseModel | None:
+def noise_model(t: Samples, y: Samples, parts: tuple[str, ...]) -> NoiseModel | None:
     """The most likely noise with these parts beside the white one.
 
     Returns:
@@ -151,12 +150,7 @@ def _most_likely(
 class _Likelihood:
     """-2 ln L of logarithms of the parameters, in the order of `names`."""
 
-    def __init__(
-        self,
-        t: Float[np.ndarray, " n"],
-        y: Float[np.ndarray, " n"],
-        names: tuple[str, ...],
-    ) -> None:
+    def __init__(self, t: Samples, y: Samples, names: tuple[str, ...]) -> None:
         self._t, self._names = t, names
         # In units of its own size: rounding is the same for metres and radians.
         self._unit = float(y.std())
@@ -170,9 +164,7 @@ class _Likelihood:
         self.limits = [tuple(np.log(ends[name])) for name in names[1:]]
         self.times = np.array([name == "correlation_time" for name in names[1:]])
 
-    def __call__(
-        self, logs: Float[np.ndarray, " names"]
-    ) -> tuple[float, Float[np.ndarray, " n"]]:
+    def __call__(self, logs: Float[np.ndarray, " names"]) -> tuple[float, Samples]:
         v, S, misfit = self._innovations(logs - self._in_units)
         return misfit + float(np.sum(v**2 / S)), v / np.sqrt(S)
 
@@ -198,7 +190,7 @@ class _Likelihood:
 
     def _innovations(
         self, logs: Float[np.ndarray, " names"]
-    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"], float]:
+    ) -> tuple[Samples, Samples, float]:
         """Those of the samples less the constant, their variances, and ln |S|."""
         given = dict(zip(self._names, np.exp(logs), strict=True))
         coloured = [*(given.get(name, 0.0) for name in MARKOV + WALK), 0.0]
@@ -213,9 +205,7 @@ class _Likelihood:
 
 
 def _starts(
-    t: Float[np.ndarray, " n"],
-    y: Float[np.ndarray, " n"],
-    parts: tuple[str, ...],
+    t: Samples, y: Samples, parts: tuple[str, ...]
 ) -> list[Float[np.ndarray, " parts"]]:
     """Where the search begins: logarithms over the white part."""
     dt, span = float(np.median(np.diff(t))), float(t[-1] - t[0])
@@ -232,7 +222,7 @@ def _starts(
     ]
 
 
-def _hessian(f, x: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n n"]:
+def _hessian(f, x: Samples) -> Float[np.ndarray, "n n"]:
     """The Hessian by central differences."""
     n = x.size
     H = np.empty((n, n))

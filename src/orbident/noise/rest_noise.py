@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtri
 
@@ -26,6 +26,7 @@ from orbident.noise.noise_model import (
     PARTS,
     WALK,
     NoiseModel,
+    Samples,
     best_model,
 )
 from orbident.recordings.columns import part_of
@@ -56,11 +57,7 @@ class CleanModel(NamedTuple):
     """Whether no further sample is an outlier."""
 
 
-def clean_model(
-    t: Float[np.ndarray, " n"],
-    y: Float[np.ndarray, " n"],
-    parts: Sequence[tuple[str, ...]],
-) -> CleanModel:
+def clean_model(t: Samples, y: Samples, parts: Sequence[tuple[str, ...]]) -> CleanModel:
     """As `best_model`, without the samples that it does not explain."""
     kept = np.ones(t.size, dtype=bool)
     model = best_model(t, y, parts)
@@ -75,7 +72,7 @@ def clean_model(
     return CleanModel(model, kept, False)
 
 
-def varies(x: Float[np.ndarray, " n"]) -> bool:
+def varies(x: Samples) -> bool:
     """Whether samples differ by more than rounding, of rotations too."""
     return bool(np.ptp(x) > ROUNDING * max(1.0, float(np.abs(x).max())))
 
@@ -112,12 +109,7 @@ def check_joints(recording: Recording) -> None:
             )
 
 
-def check_still(
-    where: str,
-    t: Float[np.ndarray, " n"],
-    x: Float[np.ndarray, " n"],
-    model: NoiseModel,
-) -> None:
+def check_still(where: str, t: Samples, x: Samples, model: NoiseModel) -> None:
     """Refuse samples that move.
 
     Args:
@@ -144,9 +136,7 @@ def check_still(
         )
 
 
-def drift(
-    t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], model: NoiseModel
-) -> float:
+def drift(t: Samples, x: Samples, model: NoiseModel) -> float:
     """How much a polynomial lowers chi-square; at rest this is chi-square distributed.
 
     A straight line alone lowers it by the square of the slope over its deviation.
@@ -179,9 +169,9 @@ class AxisNoise:
 
     sensor: str
     axis: str
-    t: Float[np.ndarray, " n"]
+    t: Samples
     """s."""
-    samples: Float[np.ndarray, " n"]
+    samples: Samples
     """About their mean; of an attitude, small rotations about an axis of the base."""
     model: NoiseModel
     left_out: int
@@ -238,9 +228,7 @@ def rest_noise(recording: Recording) -> tuple[AxisNoise, ...]:
     return tuple(found)
 
 
-def _axes(
-    recording: Recording, sensor: str
-) -> Iterator[tuple[str, Float[np.ndarray, " n"], Float[np.ndarray, " n"]]]:
+def _axes(recording: Recording, sensor: str) -> Iterator[tuple[str, Samples, Samples]]:
     table = recording.vector(sensor)
     seen = np.isfinite(table).all(axis=1)
     t, table = recording.t[seen], table[seen]
@@ -261,11 +249,7 @@ def _axes(
 
 
 def _axis_noise(
-    recording: Recording,
-    sensor: str,
-    axis: str,
-    t: Float[np.ndarray, " n"],
-    x: Float[np.ndarray, " n"],
+    recording: Recording, sensor: str, axis: str, t: Samples, x: Samples
 ) -> AxisNoise:
     """The bias of a gyro or an accelerometer is a Gauss-Markov process alone."""
     where = f"{recording.source}: {sensor}.{axis}"

@@ -259,10 +259,7 @@ class PointVelocity(NamedTuple):
 
 
 def point_velocity(
-    recording: Recording,
-    x_WB: Columns,
-    delays: Mapping[str, float],
-    settings: Settings,
+    recording: Recording, x_WB: Columns, delays: Mapping[str, float], settings: Settings
 ) -> PointVelocity:
     """Velocities as measured; or from positions, or from an accelerometer.
 

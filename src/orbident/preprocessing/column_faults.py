@@ -14,6 +14,9 @@ from orbident.errors import InputError
 from orbident.gaussian import OF_MEDIAN
 from orbident.threads import processors
 
+Column = Float[np.ndarray, " samples"]
+"""Samples, NaN where there are none; or their times, s."""
+
 FARTHEST = 12
 """How far away neighbours are that predict a sample, in samples, at most. A burst of
 five bad ones spoils less than half of them."""
@@ -56,9 +59,7 @@ class Spikes:
     count: int
 
 
-def find_spikes(
-    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"], name: str = "x"
-) -> Spikes:
+def find_spikes(t: Column, x: Column, name: str = "x") -> Spikes:
     """Samples that their neighbours do not expect, and that leap out of the motion.
 
     A spike is more than 6 times the local scatter off the median of 12 cubics, each
@@ -229,9 +230,7 @@ REMEMBERED = 5
 """Rates of which the median predicts the next sample: two bad ones do no harm."""
 
 
-def within_a_turn(
-    t: Float[np.ndarray, " samples"], angle: Float[np.ndarray, " samples"]
-) -> bool:
+def within_a_turn(t: Column, angle: Column) -> bool:
     """Whether an angle is shown within one turn, rad, and leaps where it goes on.
 
     Args:
@@ -260,11 +259,8 @@ def within_a_turn(
 
 
 def unwrapped(
-    t: Float[np.ndarray, " samples"],
-    angle: Float[np.ndarray, " samples"],
-    period: float = 2 * np.pi,
-    steady: float = np.inf,
-) -> Float[np.ndarray, " samples"]:
+    t: Column, angle: Column, period: float = 2 * np.pi, steady: float = np.inf
+) -> Column:
     """An angle that was wrapped, with whole periods added so that it does not leap.
 
     `x_k = angle_k + period n`, the closest to `x_{k-1} + rate (t_k - t_{k-1})`, with
@@ -307,11 +303,8 @@ def unwrapped(
 
 
 def turned_between(
-    t: Float[np.ndarray, " samples"],
-    angle: Float[np.ndarray, " samples"],
-    limits: tuple[float, float],
-    steady: float,
-) -> Float[np.ndarray, " samples"]:
+    t: Column, angle: Column, limits: tuple[float, float], steady: float
+) -> Column:
     """An angle with whole turns added where it would be beyond its limits, rad.
 
     Args:

@@ -23,6 +23,13 @@ from orbident.errors import InputError
 from orbident.model.rotations import UNTURNED
 from orbident.robot.sensor_schema import GyroSpec
 
+Times = Float[np.ndarray, " n"]
+"""Of samples, s."""
+Vectors = Float[np.ndarray, "n 3"]
+"""At these times."""
+Attitudes = Float[np.ndarray, "n 4"]
+"""Quaternions at these times, scalar last."""
+
 AT_ONCE = 100_000
 """Samples of splines that are made at once: some 10 MB."""
 
@@ -31,11 +38,8 @@ GAUSS = np.sqrt(3) / 6
 
 
 def integrate_gyro(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    x_start: Float[np.ndarray, "4"],
-    source: str = "recording",
-) -> Float[np.ndarray, "n 4"]:
+    t: Times, w: Vectors, x_start: Float[np.ndarray, "4"], source: str = "recording"
+) -> Attitudes:
     """The attitude whose rate is the cubic spline through the gyro's samples.
 
     By the fourth-order Magnus expansion (Iserles et al. 2000), from one row to the
@@ -69,10 +73,7 @@ def integrate_gyro(
 
 
 def start_of_gyro(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    fixes: Float[np.ndarray, "n 4"],
-    fixed: Bool[np.ndarray, " n"],
+    t: Times, w: Vectors, fixes: Attitudes, fixed: Bool[np.ndarray, " n"]
 ) -> Float[np.ndarray, "4"]:
     """Where the gyro must start to pass through the first fix within its samples."""
     x = integrate_gyro(t, w, UNTURNED)
@@ -81,11 +82,8 @@ def start_of_gyro(
 
 
 def velocity_from_accelerometer(
-    t: Float[np.ndarray, " n"],
-    x_WB: Float[np.ndarray, "n 4"],
-    f_S: Float[np.ndarray, "n 3"],
-    source: str = "recording",
-) -> Float[np.ndarray, "n 3"]:
+    t: Times, x_WB: Attitudes, f_S: Vectors, source: str = "recording"
+) -> Vectors:
     """What S's velocity changed by since the first sample.
 
     `v_S(t) - v_S(t_0) = integral of R_WB f_S`: in free fall specific force is all of
@@ -112,9 +110,7 @@ def velocity_from_accelerometer(
     return _integral(t[measured], f_W, t)
 
 
-def velocity_from_increments(
-    x_WB: Float[np.ndarray, "n 4"], dv: Float[np.ndarray, "n 3"]
-) -> Float[np.ndarray, "n 3"]:
+def velocity_from_increments(x_WB: Attitudes, dv: Vectors) -> Vectors:
     """The same from velocity increments, each in the base axes of the sample before.
 
     `v_S(t_k) - v_S(t_{k-1}) = R_WB(t_{k-1}) dv_k`.
@@ -131,9 +127,7 @@ def velocity_from_increments(
     return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 
-def bias_response(
-    t: Float[np.ndarray, " n"], x_WB: Float[np.ndarray, "n 4"]
-) -> Float[np.ndarray, "n 3 3"]:
+def bias_response(t: Times, x_WB: Attitudes) -> Float[np.ndarray, "n 3 3"]:
     """How a constant accelerometer bias shows in the integrated velocity.
 
     `v_S` is wrong by `(integral of R_WB) b`, inertial axes, s.
@@ -142,11 +136,7 @@ def bias_response(
     return _integral(t, R_WB.reshape(-1, 9), t).reshape(-1, 3, 3)
 
 
-def gyro_response(
-    t: Float[np.ndarray, " n"],
-    x_WB: Float[np.ndarray, "n 4"],
-    w: Float[np.ndarray, "n 3"],
-) -> Float[np.ndarray, "n 3 12"]:
+def gyro_response(t: Times, x_WB: Attitudes, w: Vectors) -> Float[np.ndarray, "n 3 12"]:
     """How a gyro's bias `b`, and scale and misalignment `E`, turn its integral.
 
     The attitude is wrong by `(integral of R_WB) b + (integral of R_WB E w)`, inertial
@@ -159,9 +149,7 @@ def gyro_response(
 
 
 def _integral(
-    t: Float[np.ndarray, " m"],
-    rate: Float[np.ndarray, "m columns"],
-    at: Float[np.ndarray, " n"],
+    t: Float[np.ndarray, " m"], rate: Float[np.ndarray, "m columns"], at: Times
 ) -> Float[np.ndarray, "n columns"]:
     """Integral of the cubic spline from `at[0]`; rates are constant beyond the samples.
 
@@ -215,18 +203,18 @@ class GyroNoise(NamedTuple):
 class Fused(NamedTuple):
     """The attitude at every row within the gyro's samples; NaN outside."""
 
-    x_WB: Float[np.ndarray, "n 4"]
-    std: Float[np.ndarray, "n 3"]
+    x_WB: Attitudes
+    std: Vectors
     """Deviation of a small turn about each inertial axis, rad."""
-    bias: Float[np.ndarray, "n 3"]
+    bias: Vectors
     """Bias of the gyro, base axes, rad/s."""
-    bias_std: Float[np.ndarray, "n 3"]
+    bias_std: Vectors
 
 
 def fuse_attitude(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    fixes: Float[np.ndarray, "n 4"],
+    t: Times,
+    w: Vectors,
+    fixes: Attitudes,
     gyro: GyroNoise,
     std: float,
     source: str = "recording",
@@ -264,10 +252,10 @@ def fuse_attitude(
 class _FusionPass(NamedTuple):
     """What one pass of the smoother found, at every row."""
 
-    x_WB: Float[np.ndarray, "n 4"]
+    x_WB: Attitudes
     variance: Float[np.ndarray, "n 6"]
     """Variances and covariances of `[phi, b]`."""
-    bias: Float[np.ndarray, "n 3"]
+    bias: Vectors
 
 
 def _fused(
@@ -324,11 +312,7 @@ class Turned(NamedTuple):
         return both / float(np.sum(self.by_attitude**2)) if both else 0.0
 
 
-def turned(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    x_WB: Float[np.ndarray, "n 4"],
-) -> Turned:
+def turned(t: Times, w: Vectors, x_WB: Attitudes) -> Turned:
     """How gyro and attitude turn from one piece to the next; no robot is needed.
 
     Args:

@@ -63,10 +63,7 @@ def low_pass(
 
 
 def filtered(
-    x: Float[np.ndarray, "samples columns"],
-    ends: Smoothed,
-    rate: float,
-    cut_off: float,
+    x: Float[np.ndarray, "samples columns"], ends: Smoothed, rate: float, cut_off: float
 ) -> Float[np.ndarray, "samples columns"]:
     """What `low_pass` does, once the ends are smoothed and all is checked.
 
@@ -162,9 +159,7 @@ class CutOff(NamedTuple):
 
 
 def choose_cut_off(
-    t: Float[np.ndarray, " samples"],
-    x: Float[np.ndarray, " samples"],
-    name: str = "x",
+    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"], name: str = "x"
 ) -> CutOff:
     """The cut-off with the least error, by residual analysis.
 

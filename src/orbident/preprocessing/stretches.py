@@ -185,9 +185,7 @@ PACKED = 4096
 
 
 def packed_piece(
-    samples: Samples,
-    rate: Float[np.ndarray, "samples 3"],
-    times: tuple[float, float],
+    samples: Samples, rate: Float[np.ndarray, "samples 3"], times: tuple[float, float]
 ) -> Piece:
     """The samples that are complete and as good as they are said to be, one a row.
 

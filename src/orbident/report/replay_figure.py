@@ -48,11 +48,7 @@ def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
     reach = float(np.abs(points).max())
     arrows = 0.7 * reach / longest * h
     frames = [
-        {
-            "name": str(k),
-            "data": [_at(points[k]), _arrow(arrows[k])],
-            "traces": [0, 1],
-        }
+        {"name": str(k), "data": [_at(points[k]), _arrow(arrows[k])], "traces": [0, 1]}
         for k in range(shown.t.size)
     ]
     figure = json.loads(report_text("replay.json"))

@@ -141,7 +141,7 @@ def validation(scores: dict) -> Section:
         origin = "from which the parameters were identified, so that it says little"
     words = [
         f"{predicted} of {scores['file']}, {origin}, were predicted from {by}: "
-        f"{scores['verdict']}. {scores['reason'].capitalize()}.",
+        f"{scores['verdict']}. {scores['reason'].capitalize()}."
     ]
     if scores["degrees_of_freedom"]:
         words.append(
@@ -149,10 +149,7 @@ def validation(scores: dict) -> Section:
             f"degrees of freedom, p = {short(scores['p_value'], 2)}."
         )
     return Section(
-        name="validation",
-        title="Validation",
-        words=tuple(words),
-        tables=tuple(tables),
+        name="validation", title="Validation", words=tuple(words), tables=tuple(tables)
     )
 
 

@@ -32,9 +32,7 @@ def inertia_matrix(theta_i: Float[np.ndarray, "10"]) -> Float[np.ndarray, "3 3"]
 
 
 def from_mass_com_inertia(
-    mass: float,
-    com: Float[np.ndarray, "3"],
-    I_com: Float[np.ndarray, "3 3"],
+    mass: float, com: Float[np.ndarray, "3"], I_com: Float[np.ndarray, "3 3"]
 ) -> Float[np.ndarray, "10"]:
     """The ten parameters of a body from mass, CM and the inertia about its CM.
 

@@ -128,10 +128,7 @@ def _joint(joint: UrdfJoint) -> ET.Element:
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
     ET.SubElement(
-        element,
-        "origin",
-        xyz=spaced(joint.p),
-        rpy=spaced(roll_pitch_yaw(joint.R)),
+        element, "origin", xyz=spaced(joint.p), rpy=spaced(roll_pitch_yaw(joint.R))
     )
     if joint.kind == "fixed":
         return element

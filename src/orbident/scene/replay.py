@@ -20,7 +20,7 @@ from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import Prediction, predict
 from orbident.model.core_robot import wheels_of
 from orbident.model.equations_of_motion import check_regular
-from orbident.model.kinematics import JointState, inertia, poses
+from orbident.model.kinematics import inertia, poses
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
@@ -30,6 +30,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.scene import Scene
 from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.trajectories.trajectory import Trajectory
 
 
 class MotionHistory(NamedTuple):
@@ -324,23 +325,6 @@ class BasePose(NamedTuple):
     """m."""
 
 
-class Straight(NamedTuple):
-    """All joints from rest to rest, on a straight line, in a time of 1."""
-
-    start: Float[np.ndarray, " joints"]
-    end: Float[np.ndarray, " joints"]
-
-    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
-        """Positions, rates and accelerations."""
-        s = t[:, None]
-        way = self.end - self.start
-        return (
-            self.start + (3 - 2 * s) * s**2 * way,
-            6 * (1 - s) * s * way,
-            (6 - 12 * s) * way,
-        )
-
-
 def reaction(
     robot: Robot,
     base: BasePose,
@@ -352,8 +336,11 @@ def reaction(
     Then `D w + D_q qd = 0` (Eq. 18): where the base gets to depends on the way of the
     joints, not on their time. Joint positions before and after are in rad or m.
     """
+    (first, last), none = np.zeros((2, start.size, 3)), np.zeros((start.size, 0))
+    first[:, 0], last[:, 0] = start, end
+    straight_on = Trajectory(1.0, robot.joint_names, none, none, first, last)
     still, wheels = np.zeros(3), np.zeros(len(robot.wheels))
     at_rest = BaseState(still, base.x_WB, still, wheels)
     t = np.linspace(0.0, 1.0, NODES)
-    moved = free_floating(robot, Straight(start, end), t, at_rest)
+    moved = free_floating(robot, straight_on, t, at_rest)
     return BasePose(moved.attitude[-1], base.r_S + moved.r_S[-1])

@@ -166,10 +166,7 @@ class ExternalForces:
 
 
 def outside_of(
-    robot: Robot,
-    environment: Environment,
-    t: Float[np.ndarray, " rows"],
-    seed: int,
+    robot: Robot, environment: Environment, t: Float[np.ndarray, " rows"], seed: int
 ) -> ExternalForces:
     """All that acts on a flight.
 

@@ -29,8 +29,13 @@ from orbident.robot.sensor_schema import (
     TrackerSpec,
 )
 
+Random = np.random.Generator
+Vectors = Float[np.ndarray, "n 3"]
+Samples = Float[np.ndarray, "n axes"]
+"""By axis."""
 
-def stream(seed: int, name: str) -> np.random.Generator:
+
+def stream(seed: int, name: str) -> Random:
     """The random numbers of one sensor.
 
     A child of `SeedSequence(seed)` whose spawn key is the name, so that a sensor that
@@ -47,12 +52,12 @@ def stream(seed: int, name: str) -> np.random.Generator:
 
 
 def markov(
-    random: np.random.Generator,
+    random: Random,
     t: Float[np.ndarray, " n"],
     std: Float[np.ndarray, " axes"],
     correlation_time: Float[np.ndarray, " axes"],
     from_zero: bool = False,
-) -> Float[np.ndarray, "n axes"]:
+) -> Samples:
     """A first-order Gauss-Markov process, at any increasing times (IEEE 952, C.1.5).
 
     `x_0 ~ N(0, s^2)`, `x_k = a_k x_{k-1} + s sqrt(1 - a_k^2) n_k` with
@@ -76,10 +81,8 @@ def markov(
 
 
 def random_walk(
-    random: np.random.Generator,
-    t: Float[np.ndarray, " n"],
-    density: Float[np.ndarray, " axes"],
-) -> Float[np.ndarray, "n axes"]:
+    random: Random, t: Float[np.ndarray, " n"], density: Float[np.ndarray, " axes"]
+) -> Samples:
     """A random walk, `var(x(t)) = q^2 (t - t_0)`, at any increasing times.
 
     Times are in s, and q, by axis, is in its unit per square root of a second.
@@ -91,10 +94,7 @@ def random_walk(
 _ROUNDING = 1e-6
 """Relative: times in files have so many digits."""
 
-Reading = Callable[
-    [Float[np.ndarray, "n true"], float, np.random.Generator],
-    Float[np.ndarray, "n axes"],
-]
+Reading = Callable[[Float[np.ndarray, "n true"], float, Random], Samples]
 """What a sensor shows of true values `dt` apart."""
 
 
@@ -102,7 +102,7 @@ def sensor_columns(
     sensor: Sampled,
     t: Float[np.ndarray, " rows"],
     true: Float[np.ndarray, "rows true"],
-    random: np.random.Generator,
+    random: Random,
     read: Reading,
 ) -> Float[np.ndarray, "rows axes"]:
     """The columns of a recording of a sensor that samples evenly, on every k-th row.
@@ -156,11 +156,8 @@ NONE = (0.0, 0.0, 0.0)
 
 
 def read_inertial(
-    sensor: InertialSpec,
-    true: Float[np.ndarray, "n 3"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n 3"]:
+    sensor: InertialSpec, true: Vectors, dt: float, random: Random
+) -> Vectors:
     """What three orthogonal axes show, nominally the base's, as means over `dt`.
 
     `shown = (1 + scale) (R_BS^T true) + constant_bias + turn_on + drift(t) + white`, by
@@ -183,11 +180,8 @@ def read_inertial(
 
 
 def read_increments(
-    sensor: AccelerometerSpec,
-    true: Float[np.ndarray, "n 7"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n 3"]:
+    sensor: AccelerometerSpec, true: Float[np.ndarray, "n 7"], dt: float, random: Random
+) -> Vectors:
     """What S's velocity changed by since the sample before, in the base axes of then.
 
     `R_0(t_{k-1}) dv_k = v_S(t_k) - v_S(t_{k-1})`, exactly but for errors and noise: the
@@ -201,12 +195,8 @@ def read_increments(
 
 
 def read_scalars(
-    std: float,
-    resolution: float,
-    true: Float[np.ndarray, "n axes"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n axes"]:
+    std: float, resolution: float, true: Samples, dt: float, random: Random
+) -> Samples:
     """What encoders, tachometers and torque sensors show, in the unit of `true`.
 
     `shown = resolution round((true + n) / resolution)`, with white `n`. Encoders of
@@ -219,10 +209,7 @@ def read_scalars(
 
 
 def read_attitude(
-    sensor: AttitudeSpec,
-    true: Float[np.ndarray, "n 4"],
-    dt: float,
-    random: np.random.Generator,
+    sensor: AttitudeSpec, true: Float[np.ndarray, "n 4"], dt: float, random: Random
 ) -> Float[np.ndarray, "n 4"]:
     """Unit quaternions, scalar last, of attitudes `dt` seconds apart.
 
@@ -237,18 +224,13 @@ def read_attitude(
 
 
 def read_position(
-    sensor: PositionSpec,
-    true: Float[np.ndarray, "n 3"],
-    dt: float,
-    random: np.random.Generator,
-) -> Float[np.ndarray, "n 3"]:
+    sensor: PositionSpec, true: Vectors, dt: float, random: Random
+) -> Vectors:
     """Positions of S, inertial axes, m, `dt` seconds apart."""
     return true + _noise(sensor, len(true), dt, random)
 
 
-def _noise(
-    sensor: TrackerSpec, n: int, dt: float, random: np.random.Generator
-) -> Float[np.ndarray, "n 3"]:
+def _noise(sensor: TrackerSpec, n: int, dt: float, random: Random) -> Vectors:
     """The errors of samples `dt` apart, white and coloured."""
     white, of = random.normal(scale=sensor.white_std(dt), size=(n, 3)), sensor.coloured
     if of.absent:

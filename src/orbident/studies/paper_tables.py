@@ -23,6 +23,8 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
+Vector = Float[np.ndarray, "3"]
+
 TABLES = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text("utf-8"))
 """Tables 2, 4, 5 and 6 by their names; the file says what their rows are."""
 
@@ -182,18 +184,11 @@ class PaperBasis(NamedTuple):
 
 
 Columns = Callable[
-    [
-        Float[np.ndarray, " joints"],
-        Float[np.ndarray, " joints"],
-        Float[np.ndarray, "3"],
-    ],
-    PaperColumns,
+    [Float[np.ndarray, " joints"], Float[np.ndarray, " joints"], Vector], PaperColumns
 ]
 
 
-def spatial_columns(
-    q: Float[np.ndarray, "3"], qd: Float[np.ndarray, "3"], w: Float[np.ndarray, "3"]
-) -> PaperColumns:
+def spatial_columns(q: Vector, qd: Vector, w: Vector) -> PaperColumns:
     """The 19 + 5 columns of the spatial arm (Table 4, Eqs. 42 and A.6), base axes.
 
     Joint 1 turns about base z at S, joints 2 and 3 about `n`, perpendicular to z and
@@ -204,7 +199,7 @@ def spatial_columns(
     x1 = axis_rotation(z, np.asarray(q[0])) @ x
     n = np.cross(x1, z)
 
-    def u(angle: float) -> Float[np.ndarray, "3"]:
+    def u(angle: float) -> Vector:
         return np.cos(angle) * x1 + np.sin(angle) * np.cross(n, x1)
 
     w1 = w + qd[0] * z
@@ -213,11 +208,7 @@ def spatial_columns(
     a, b = u(q[1]), u(q[1] + q[2])
     a_dot, b_dot = np.cross(w2, a), np.cross(w3, b)
 
-    def about(
-        e: Float[np.ndarray, "3"],
-        f: Float[np.ndarray, "3"],
-        f_dot: Float[np.ndarray, "3"],
-    ):
+    def about(e: Vector, f: Vector, f_dot: Vector):
         return np.cross(e, f_dot) + np.cross(f, np.cross(w, e))
 
     along = [(x1, w), (z, w1), (a, w2), (n, w2), (b, w3), (n, w3)]
@@ -240,7 +231,7 @@ def planar_columns(r_joint1: tuple[float, float] = PLANAR_JOINT1) -> Columns:
     """
 
     def columns(
-        q: Float[np.ndarray, "2"], qd: Float[np.ndarray, "2"], w: Float[np.ndarray, "3"]
+        q: Float[np.ndarray, "2"], qd: Float[np.ndarray, "2"], w: Vector
     ) -> PaperColumns:
         w0 = w[2]
         w1 = w0 + qd[0]
@@ -295,9 +286,7 @@ def _coordinates(
     return C
 
 
-def _symmetric(
-    e: Float[np.ndarray, "3"], f: Float[np.ndarray, "3"]
-) -> Float[np.ndarray, "3 3"]:
+def _symmetric(e: Vector, f: Vector) -> Float[np.ndarray, "3 3"]:
     """The symmetric matrix with one at the entries `ef` and `fe`."""
     E = e[:, None] * f
     return np.maximum(E, E.T)

@@ -175,10 +175,7 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> Non
     if trajectory.design is not None:
         document["design"] = trajectory.design
     text = yaml.safe_dump(
-        _plain(document),
-        sort_keys=False,
-        default_flow_style=None,
-        width=120,
+        _plain(document), sort_keys=False, default_flow_style=None, width=120
     )
     write_text(Path(path), text)
 

@@ -27,10 +27,7 @@ class LivePage:
     """Serves the page until it is closed."""
 
     def __init__(self, first: dict[str, Any]) -> None:
-        """Listen at a free port.
-
-        Every page is told first: names, and what is believed before.
-        """
+        """Listen at a free port. Every page is first told names and beliefs."""
         self._first = json.dumps(first)
         self._events: deque[str] = deque(maxlen=KEPT)
         self._sent = 0

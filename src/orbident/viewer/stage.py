@@ -26,10 +26,7 @@ class Floor:
         R: Float[np.ndarray, "frames 3 3"],
         p: Float[np.ndarray, "frames 3"],
     ):
-        """Set it up for a robot that stands there so.
-
-        Its frames are at `R` and `p`, page axes, m.
-        """
+        """Set it up for a robot whose frames are at `R` and `p`, page axes, m."""
         planar = scene.robot.motion == "planar"
         points = np.vstack(
             [s.vertices @ R[s.frame].T + p[s.frame] for s in scene.shapes]
@@ -74,10 +71,7 @@ class DrawnRobot:
     def __init__(
         self, server: Any, name: str, scene: Scene, ghost: Colour | None = None
     ):
-        """Draw it, with all frames at the origin.
-
-        A ghost has one colour, and is transparent. No other node has its name.
-        """
+        """Draw it at the origin, under a name of its own; a ghost is transparent."""
         self._root = server.scene.add_frame(name, show_axes=False)
         self._frames, self._names = [], []
         for k, words in enumerate((*scene.robot.bodies, *scene.robot.wheel_names)):
@@ -125,10 +119,7 @@ class Ellipsoid:
         colour: Colour,
         wireframe: bool = False,
     ):
-        """Draw a ball of radius 1, which is stretched.
-
-        The inertia is over time, inertial frame; a wireframe is a net.
-        """
+        """Draw a ball that the inertia stretches, over time, inertial frame."""
         self._inertia = inertia
         self._x = Rotation.from_matrix(inertia.R).as_quat(scalar_first=True)
         self._ball = server.scene.add_icosphere(
@@ -161,11 +152,7 @@ class Arrows:
     """Angular momentum about the CM, in all and in parts, and linear momentum."""
 
     def __init__(self, server: Any, momentum: CentroidalMomentum, size: float):
-        """Nothing is drawn yet.
-
-        The momentum is over time, inertial axes; the size is how far the robot reaches,
-        m.
-        """
+        """Take momenta over time, inertial axes, and how far the robot is, m."""
         self._size, self._cm = size, momentum.r_cm
         angular = [momentum.h_rs + momentum.h_rw, momentum.h_rs, momentum.h_rw]
         self._longest = max(_longest(h) for h in angular), _longest(momentum.p)
@@ -231,10 +218,7 @@ class Trails:
     """Where points have been up to now, as lines; hidden at first."""
 
     def __init__(self, server: Any, paths: Mapping[str, Float[np.ndarray, "n 3"]]):
-        """Nothing is drawn yet.
-
-        Paths of points are by their names, inertial frame, m.
-        """
+        """Take paths of points by their names, inertial frame, m."""
         self._paths = tuple(paths.values())
         n = len(self._paths[0])
         self._chosen = np.arange(0, n, -(-n // MOST_POINTS))
@@ -286,11 +270,7 @@ class Plot:
         names: Sequence[str],
         dashed: Float[np.ndarray, "n k"] | None = None,
     ):
-        """Draw it below what is in the panel.
-
-        The title has the unit, times are in s, and each column is a curve; dashed are
-        those that were predicted.
-        """
+        """Draw a curve a column over `t`, s; predicted ones are dashed."""
         self.title = title
         columns = curves if dashed is None else np.hstack([curves, dashed])
         chosen = np.arange(0, t.size, -(-t.size // MOST_POINTS))
