@@ -12,17 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
-from scipy.interpolate import CubicSpline
 from scipy.optimize import fminbound
 
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Numbers, Suspect
-from orbident.diagnosis.torque_columns import torques_by
+from orbident.diagnosis.torque_columns import measured_motion
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import outstanding
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.kinematics import carried_inertia
-from orbident.robot.description import Robot
 
 SMALL = 1e-5
 """rad, m, or rad over the unit of a course: far below what would be seen."""
@@ -48,22 +46,18 @@ PADDED = 4
 
 def joint_errors(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]:
     """All joints at once: with time, over a turn, with the way, with the load."""
-    names, t = problem.robot.joint_names, problem.samples.t
+    names, t = problem.robot.joint_names, problem.recording.t
     if not names:
         return
-    samples = problem.samples
-    position = np.column_stack(samples.q)
-    moved = np.column_stack([*samples.w, *samples.qd, *samples.qd_rw])
-    seen = np.isfinite(moved).all(axis=1)
-    inside = np.clip(problem.recording.t, *t[seen][[0, -1]])
-    q = CubicSpline(t[seen], position[seen])(inside)
-    rates = CubicSpline(t[seen], moved[seen])
+    motion = measured_motion(problem.samples, t)
     theta = problem.sets.theta(shown.parameters.base.values)
     found = replace(problem.robot, theta=theta)
-    bend = _bend(found, q, rates(inside), rates(inside, 1))
-    qd = rates(inside)[:, 3 : 3 + len(names)]
+    carried = [carried_inertia(found, k) for k in range(len(names))] @ theta.ravel()
+    bend = motion.torques(found) / np.maximum(carried, LEAST_CARRIED)
+    q = motion.q
+    qd = motion.rates[:, 3 : 3 + len(names)]
     slow = np.maximum(BETWEEN * np.std(qd, axis=0), SMALL)
-    elapsed = (inside - inside[0]) / (inside[-1] - inside[0])
+    elapsed = (t - t[0]) / (t[-1] - t[0])
 
     def most(c: Numbers) -> tuple[str, float]:
         """The joint whose numbers are the largest, and how large."""
@@ -105,25 +99,6 @@ def joint_errors(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]
     # No play is less than none, and no spring pushes the other way.
     yield _of_joints(names, playing, SMALL * one, [qd / np.hypot(qd, slow)], least=0.0)
     yield _of_joints(names, soft, SMALL_BEND * one, [bend], least=0.0)
-
-
-def _bend(
-    robot: Robot,
-    q: Float[np.ndarray, "n joints"],
-    rates: Float[np.ndarray, "n rates"],
-    accelerations: Float[np.ndarray, "n rates"],
-) -> Float[np.ndarray, "n joints"]:
-    """Torques at joints over the inertias that they carry, rad/s^2 or m/s^2.
-
-    Args:
-        robot: with what is known of its bodies.
-        q: joint positions, rad or m.
-        rates: of the base, joints and wheels.
-        accelerations: of these; the base floats, and its own are not used.
-    """
-    torques = torques_by(robot, q, rates, accelerations)
-    carried = [carried_inertia(robot, k) for k in range(q.shape[1])]
-    return torques / np.maximum(carried @ robot.theta.ravel(), LEAST_CARRIED)
 
 
 def _of_joints(

@@ -18,6 +18,7 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import joints_with_torques, torque_column
 from orbident.files.names import joined
 from orbident.model.equations_of_motion import motion_with, movable
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
 ROWS = 2000
@@ -43,6 +44,34 @@ UNITS = {1e3: "in mN m", 1e-3: "in kN m"}
 """Units that columns may be in, by how many of them are one N m."""
 
 
+class MeasuredMotion(NamedTuple):
+    """How base, joints and wheels move, by what was measured."""
+
+    q: Float[np.ndarray, "n joints"]
+    """Joint positions, rad or m."""
+    rates: Float[np.ndarray, "n rates"]
+    """Of the base, joints and wheels."""
+    accelerations: Float[np.ndarray, "n rates"]
+
+    def torques(self, robot: Robot) -> Float[np.ndarray, "n joints"]:
+        """What it takes of joints of such bodies whose base floats, N m or N."""
+        may = movable(robot)
+        none, joints = np.zeros((len(self.q), 3)), slice(6, 6 + self.q.shape[1])
+        free = may & (np.arange(may.size) < joints.start)
+        v, v_dot = (np.hstack([none, x]) * may for x in self[1:])
+        return motion_with(robot, self.q, v, v_dot * ~free, free).Q[:, joints]
+
+
+def measured_motion(samples: Samples, t: Float[np.ndarray, " n"]) -> MeasuredMotion:
+    """The motion at these times, s, or at the nearest one that has samples."""
+    moved = np.column_stack([*samples.w, *samples.qd, *samples.qd_rw])
+    seen = np.isfinite(moved).all(axis=1)
+    q = CubicSpline(samples.t[seen], np.column_stack(samples.q)[seen])
+    rates = CubicSpline(samples.t[seen], moved[seen])
+    t = np.clip(t, *samples.t[seen][[0, -1]])
+    return MeasuredMotion(q(t), rates(t), rates(t, 1))
+
+
 class ColumnFit(NamedTuple):
     """How a column shows the torque of a joint."""
 
@@ -63,54 +92,26 @@ def plain_torques(problem: MomentumProblem) -> list[Check]:
     """
     robot, samples = problem.robot, problem.samples
     names = joints_with_torques(robot, problem.recording)
-    moved = np.column_stack([*samples.q, *samples.w, *samples.qd, *samples.qd_rw])
-    seen = np.isfinite(moved).all(axis=1)
-    if not names or samples.wrenches or robot.passive or seen.sum() < FEWEST:
+    if not names or samples.wrenches or robot.passive:
         return []
+    t = problem.recording.t
     columns = [problem.recording.columns[torque_column(name)] for name in names]
-    torques, t, K = np.column_stack(columns), problem.recording.t, len(robot.joints)
-    first, last = samples.t[seen][[0, -1]]
-    at = np.flatnonzero(np.isfinite(torques).all(axis=1) & (first <= t) & (t <= last))
-    at = at[:: max(at.size // ROWS, 1)]
+    rows = np.isfinite(columns).all(axis=0)
+    at = np.flatnonzero(rows)[:: max(int(rows.sum()) // ROWS, 1)]
     if at.size < FEWEST:
         return []
-    motion = CubicSpline(samples.t[seen], moved[seen])
-    x, change = motion(t[at]), motion(t[at], 1)
-    taken = torques_by(robot, x[:, :K], x[:, K:], change[:, K:])
-    of_rates = slice(K + 3, 2 * K + 3)
+    motion = measured_motion(samples, t[at])
+    taken, of_rates = motion.torques(robot), slice(3, 3 + len(robot.joints))
+    qd, qdd = motion.rates[:, of_rates], motion.accelerations[:, of_rates]
     joints = [robot.joint_names.index(name) for name in names]
     table = [
-        [
-            _shown(column, taken[:, k], x[:, of_rates][:, k], change[:, of_rates][:, k])
-            for k in joints
-        ]
-        for column in torques[at].T
+        [_shown(column[at], taken[:, k], qd[:, k], qdd[:, k]) for k in joints]
+        for column in columns
     ]
     words = "; ".join(_wrong(names, table))
     reason = f"{words}: CAD and the motion explain them then, and not as recorded"
     remedy = "correct the columns, or the robot file"
     return [Check("cause", "do not trust", reason, remedy)] if words else []
-
-
-def torques_by(
-    robot: Robot,
-    q: Float[np.ndarray, "n joints"],
-    rates: Float[np.ndarray, "n rates"],
-    accelerations: Float[np.ndarray, "n rates"],
-) -> Float[np.ndarray, "n joints"]:
-    """Torques that a motion takes of joints, N m or N.
-
-    Args:
-        robot: with what is known of its bodies.
-        q: joint positions, rad or m.
-        rates: of the base, joints and wheels.
-        accelerations: of these; the base floats, and its own are not used.
-    """
-    may = movable(robot)
-    none, joints = np.zeros((len(q), 3)), slice(6, 6 + q.shape[1])
-    free = may & (np.arange(may.size) < joints.start)
-    v, v_dot = (np.hstack([none, x]) * may for x in (rates, accelerations))
-    return motion_with(robot, q, v, v_dot * ~free, free).Q[:, joints]
 
 
 def _shown(
