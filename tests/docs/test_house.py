@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 64_782,
+    "lines": 64_804,
     "files of estimation": 51,
-    "lines of estimation": 12_868,
+    "lines of estimation": 12_877,
     "files with one user": 63,
     "imports below each other": 30,
     "numbers without a reason": 38,

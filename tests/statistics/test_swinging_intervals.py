@@ -75,7 +75,7 @@ class Swings(NamedTuple):
     """Of the robot file."""
     flown: ET.Element
     """Of MuJoCo."""
-    declared: Mapping[str, Mapping[str, Mapping[str, Any]]]
+    declared: Mapping[str, Any]
     """What the robot file says, with frequencies that are right."""
     hz: Mapping[str, float]
     """By joint of what is flown."""
@@ -184,7 +184,8 @@ def flexible(joints: Sequence[str], hz: float, rate: int, within: float) -> Swin
     return Swings(
         satellite(panels=False),
         on_springs(flown, springs),
-        {"flexible": declared},
+        # An armature has no momentum.
+        {"flexible": declared, "rotors": "none"},
         springs,
         rate=rate,
         within=within,
@@ -217,7 +218,9 @@ def geared(hz: float, rate: int, within: float) -> Swings:
     stiff = {"solref": "0.004 1", "solimp": "0.999 0.9999 0.001"}
     both = {"joint1": rotor, "joint2": "elbow", "polycoef": f"0 {GEAR} 0 0 0"}
     ET.SubElement(ET.SubElement(flown, "equality"), "joint", both | stiff)
-    return case._replace(rotors={"elbow": GearedRotor(GEAR, ROTOR, 0.0)})
+    declared = {"flexible": case.declared["flexible"]}
+    rotors = {"elbow": GearedRotor(GEAR, ROTOR, 0.0)}
+    return case._replace(declared=declared, rotors=rotors)
 
 
 CASES = {
@@ -240,10 +243,12 @@ def robot_of(case: Swings, folder: Path, off: float) -> Robot:
     del document["passive"]
     document["sensors"]["rate"] = case.rate
     for section, said in case.declared.items():
-        document[section] = {
-            name: {k: off * x if k == "frequency" else x for k, x in each.items()}
-            for name, each in said.items()
-        }
+        document[section] = said
+        if isinstance(said, Mapping):
+            document[section] = {
+                name: {k: off * x if k == "frequency" else x for k, x in each.items()}
+                for name, each in said.items()
+            }
     (folder / "satellite.yaml").write_text(yaml.safe_dump(document))
     return load_robot(folder / "satellite.yaml")
 

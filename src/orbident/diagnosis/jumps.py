@@ -27,7 +27,7 @@ TOGETHER = 0.5
 """Part of the joints and sensors that jump at once where time does."""
 
 ODD = 100.0
-"""Times farther from a whole number of steps than any other row is."""
+"""Times that a step differs more from usual ones than any other does."""
 
 ROUNDING = 1e-6
 """Of a step: what times in files leave."""
@@ -58,7 +58,10 @@ def jumping(problem: MomentumProblem, sensor: str, rows: Sequence[int]) -> Suspe
 
 def jumps(problem: MomentumProblem, shown: Estimate, before: float) -> Iterator[Trial]:
     """Tried: the sensor, or the time, put right from then on."""
-    yield from _odd_step(problem)
+    for one in _odd_step(problem):
+        yield one
+        if one.accepted:
+            return
     by_sensor = shown_by(problem.robot, problem.recording)
     every = (
         jumps_of(sensor, problem.recording.t, x) for sensor, x in by_sensor.items()
@@ -108,18 +111,14 @@ def _lost_rows(problem: MomentumProblem, at_once: list[Jump]) -> Iterator[Trial]
 
 
 def _odd_step(problem: MomentumProblem) -> Iterator[Trial]:
-    """One row whose time is no whole number of steps after the one before it.
-
-    All other rows are as far from each other as clocks that are read at each.
-    """
-    t = problem.recording.t
-    step = float(np.median(np.diff(t)))
-    off = np.diff(t) / step - np.round(np.diff(t) / step)
-    *_, next_one, odd = np.argsort(np.abs(off))
-    if abs(off[odd]) > ODD * max(abs(off[next_one]), ROUNDING):
-        row, lost = int(odd) + 1, float(step - np.diff(t)[odd])
-        way = "back" if lost > 0 else "forward"
-        words = f"the clock was set {way} by {abs(lost):.3g} s at t = {t[row]:.4g} s"
+    """One row that is later than all others are after the row before them."""
+    steps = np.diff(problem.recording.t)
+    step = float(np.median(steps))
+    *_, next_one, odd = np.argsort(np.abs(steps - step))
+    if abs(steps[odd] - step) > ODD * max(abs(steps[next_one] - step), ROUNDING * step):
+        row, lost = int(odd) + 1, float(step - steps[odd])
+        way, at = "back" if lost > 0 else "forward", problem.recording.t[row]
+        words = f"the clock was set {way} by {abs(lost):.3g} s at t = {at:.4g} s"
         for one in _later(problem, row, lost, f"{words}, as the times of rows show"):
             yield one._replace(seen=True)
 

@@ -40,8 +40,8 @@ TINY = 1e-300
 LEFT = 0.3
 """The most that may be left of the squares of a column where it is written right."""
 
-UNITS = {1e3: "in mN m", 1e-3: "in kN m"}
-"""Units that columns may be in, by how many of them are one N m."""
+MILLI = 1e3
+"""Columns in mN m are so many times too large."""
 
 
 class MeasuredMotion(NamedTuple):
@@ -155,19 +155,18 @@ def _wrong(names: Sequence[str], table: Sequence[Sequence[ColumnFit]]) -> Iterat
     if turned:
         of = joined(turned)
         yield f"the sign of the torque of {of}, or of the joint, is the opposite"
+    # A link that is heavier than CAD has it, as with a load, is right as recorded.
     far = [
         (name, one)
         for name, one in zip(names, true, strict=True)
-        if one.left < LEFT and one.gain and not 1 / KNOWN < one.gain < KNOWN
+        if one.left < LEFT and (0 < one.gain < 1 / KNOWN or one.gain > MILLI / KNOWN)
     ]
     # Of a unit that is the same for all, each column says something.
     if np.prod([one.as_it_should / one.left for _, one in far]) > FAR_BETTER:
         gain = float(np.median([one.gain for _, one in far]))
-        other = (
-            f"{gain:.2g} times what CAD says (its unit, or the motor's side of a gear)"
-        )
-        units = [
-            each for size, each in UNITS.items() if 1 / KNOWN < gain / size < KNOWN
-        ]
         which = joined([name for name, _ in far])
-        yield f"the torque of {which} is {[*units, other][0]}"
+        yield f"the torque of {which} is " + (
+            f"{gain:.2g} times what CAD says (its unit, or the motor's side of a gear)"
+            if gain < 1
+            else "in mN m"
+        )

@@ -79,7 +79,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *residual_checks(problem, shown or estimate),
             *_agreement(solved),
             *mass_checks(problem, estimate, shown or estimate),
-            *positive_energy(problem, found.base),
+            *positive_energy(problem, found.base, (shown or estimate).drives),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_thrusters(shown or estimate),

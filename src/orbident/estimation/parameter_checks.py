@@ -15,14 +15,18 @@ from jaxtyping import Float
 from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import TIMES_CAD
+from orbident.estimation.levels import TIMES_CAD, ChiSquare
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.disturbance_sizes import IMPOSSIBLE
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
 from orbident.estimation.unknowns import DriveFit
-from orbident.model.core_robot import rotor_deviations, spinning_rotors
+from orbident.model.core_robot import (
+    rotor_deviations,
+    spinning_rotors,
+    with_armatures,
+)
 from orbident.model.kinematics import inertia
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 
 BURN = "Eq. 40"
@@ -189,17 +193,22 @@ class _Least(NamedTuple):
     """None where it is not negative."""
 
 
-def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
+def positive_energy(
+    problem: MomentumProblem, base: Known, drives: Mapping[str, DriveFit]
+) -> Iterator[Check]:
     """Whether `[[D, D_q], [D_q^T, D_qq]]` (Eq. 6) is positive definite.
 
     Args:
         problem: the configurations that were recorded.
         base: the identified base parameters.
+        drives: rotors that torques showed.
     """
     if not (base.determined.all() and np.isfinite(base.values).all()):
         return
-    robot, name = problem.robot, "kinetic energy"
-    least = _least(problem, robot, base.values, base.covariance)
+    armatures = {name: fit[:2] for name, fit in drives.items()}
+    robot, name = with_armatures(problem.robot, armatures), "kinetic energy"
+    sets = minimal_sets(robot)
+    least = _least(problem, sets, robot, base.values, base.covariance)
     if least.std is None:
         yield Check(
             name, "trust", "the kinetic energy is positive", "", least.moment, 0.0
@@ -230,7 +239,9 @@ def _links_alone(problem: MomentumProblem, base: Known) -> Iterator[Check]:
     """Whether links can exist without the rotors that the robot file declares."""
     off = problem.sets.base.T @ rotor_deviations(problem.robot)
     alone = replace(problem.robot, rotors={})
-    least = _least(problem, alone, base.values, base.covariance + off @ off.T)
+    # Of parameters less the rotors that are declared.
+    covariance = base.covariance + off @ off.T
+    least = _least(problem, problem.sets, alone, base.values, covariance)
     if least.std is not None and least.moment < -CERTAIN * least.std:
         yield Check(
             "rotors",
@@ -246,12 +257,13 @@ def _links_alone(problem: MomentumProblem, base: Known) -> Iterator[Check]:
 
 def _least(
     problem: MomentumProblem,
+    sets: MinimalSets,
     robot: Robot,
     beta: Float[np.ndarray, " beta"],
     covariance: Float[np.ndarray, "beta beta"],
 ) -> _Least:
     q = problem.samples.configurations(CONFIGURATIONS)
-    moments, axes = np.linalg.eigh(_energy(problem, robot, beta, q))
+    moments, axes = np.linalg.eigh(_energy(sets, robot, beta, q))
     worst = int(moments[:, 0].argmin())
     least, v, at = moments[worst, 0], axes[worst, :, 0], q[worst : worst + 1]
     # A link without mass makes it zero.
@@ -259,7 +271,7 @@ def _least(
         return _Least(float(least), None)
     deviations = np.sqrt(np.diag(covariance))
     slopes = [
-        (v @ _energy(problem, robot, beta + STEP * std * one, at)[0] @ v - least)
+        (v @ _energy(sets, robot, beta + STEP * std * one, at)[0] @ v - least)
         / (STEP * std)
         if std > 0
         else 0.0
@@ -270,13 +282,12 @@ def _least(
 
 
 def _energy(
-    problem: MomentumProblem,
+    sets: MinimalSets,
     robot: Robot,
     beta: Float[np.ndarray, " beta"],
     q: Float[np.ndarray, "n joints"],
 ) -> Float[np.ndarray, "n all all"]:
     """Matrices of the kinetic energy, in the axes in which momentum is conserved."""
-    sets = problem.sets
     axes = sets.regressors.momentum_axes
     at = inertia(replace(robot, theta=sets.theta(beta)), q).energy(axes)
     # A motor of a flexible joint lacks what its rotor's energy has beside momentum.
@@ -312,13 +323,15 @@ def possible_motors(drives: Mapping[str, DriveFit]) -> Iterator[Check]:
             "Coulomb friction": (fit.coulomb, fit.coulomb_std),
         }
         for what, (value, std) in parts.items():
-            if value < -IMPOSSIBLE * std:
+            square = (value / std) ** 2 if value < 0 and std else 0.0
+            if ChiSquare(square, 1).is_no_chance("other parameters"):
                 yield Check(
                     "motors",
                     "do not trust",
                     f"the {what} of joint '{name}' would be {value:.3g} +- {std:.1g} "
                     "(SI), by its torques, and none is less than nothing",
-                    "check the signs, units and order of the torque columns",
+                    "check the signs, units and order of the torque columns, and "
+                    "whether something else moves or holds the joint, such as a cable",
                 )
 
 

@@ -328,11 +328,7 @@ class Result(BesideParameters, Identified):
 
     def _with_rotors(self, names: Collection[str]) -> Robot:
         """The robot with the rotors of some joints as torques showed them."""
-        found = {
-            name: fit[:2]
-            for name, fit in self.drives.items()
-            if name in names and fit.armature_std and fit.armature
-        }
+        found = {name: fit[:2] for name, fit in self.drives.items() if name in names}
         return with_armatures(self.robot, found)
 
     @property

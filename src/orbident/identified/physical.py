@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.special import chdtri
 
 from orbident.estimation.result import Result
@@ -77,6 +77,9 @@ CONFIDENCE = 0.95
 """Of the ellipsoid about the identified parameters where bodies are sought."""
 LIGHTEST = 1e-6
 """A nominal body counts as no less than this part of the robot's mass."""
+ROUNDING = 1e-9
+"""Coefficients of standard parameters that are nothing: others are lengths, products of
+these, or one."""
 THINNEST = 1e-4
 """A nominal body is no thinner than this part of the robot, in second moments."""
 
@@ -144,6 +147,8 @@ class _Equations(NamedTuple):
     b: Float[np.ndarray, " equations"]
     scale: Float[np.ndarray, " equations"]
     """What the rows were divided by; first those of `beta`."""
+    known: Bool[np.ndarray, " beta"]
+    """Those of `beta` that bodies have."""
     theta_of_X: Float[np.ndarray, "theta entries"]
 
 
@@ -165,13 +170,13 @@ def _equations(
     zero = np.delete(np.eye(robot.theta.size), robot.free_parameters, axis=0)
     zero = zero[zero @ np.repeat(exist, PER_BODY) > 0]
     C = np.vstack([minimal_sets(robot).base.T, zero])
-    A = C @ theta_of_X
     b = np.concatenate([beta, np.zeros(len(zero))]) - C @ apart.ravel()
     # What rotors alone have, no body has.
-    of_bodies = A.any(axis=1)
-    A, b = A[of_bodies], b[of_bodies]
+    shown = np.abs(C * np.repeat(exist, PER_BODY)).max(axis=1) > ROUNDING
+    A, b = C[shown] @ theta_of_X, b[shown]
     scale = np.linalg.norm(A, axis=1)
-    return _Equations(A / scale[:, None], b / scale, scale, theta_of_X)
+    known = shown[: beta.size]
+    return _Equations(A / scale[:, None], b / scale, scale, known, theta_of_X)
 
 
 def _exactly(met: _Equations) -> tuple[Float[np.ndarray, "bodies 4 4"], float] | None:
@@ -196,7 +201,8 @@ def _within_covariance(
     """
     size = len(covariance)
     root = np.zeros((met.b.size, size))
-    root[:size] = root_of(covariance) / met.scale[:size, None]
+    rows = root_of(covariance)[met.known]
+    root[: len(rows)] = rows / met.scale[: len(rows), None]
     if not np.isfinite(root).all():
         return None
     cp = _cvxpy()

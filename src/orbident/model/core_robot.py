@@ -186,10 +186,12 @@ LEAST = 1e-9
 def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Robot:
     """The robot whose rotors have these `N (N - 1) J`, if not less than nothing.
 
-    Each was found with its standard deviation, which is above zero, kg m^2 or kg.
+    Each was found with its standard deviation, kg m^2 or kg; what is zero was not.
     """
     rotors = dict(robot.rotors)
     for name, (armature, std) in found.items():
+        if not (armature and std):
+            continue
         gear = rotors.get(name, UNKNOWN).gear
         inertia = max(armature / (gear * (gear - 1)), LEAST)
         part = std / abs(gear * (gear - 1) * inertia)

@@ -19,7 +19,7 @@ from jaxtyping import Bool, Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
-from orbident.model.core_robot import KEPT, core_robot
+from orbident.model.core_robot import KEPT, core_robot, rotors_of, spinning_rotors
 from orbident.model.kinematics import carrying_joints, inertia, inertia_at, poses
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
@@ -260,6 +260,9 @@ def check_definite(robot: Robot) -> None:
         IndefiniteError: somewhere it is not positive definite.
         InputError: nor can it be, as a body between two joints has no mass.
     """
+    for k in spinning_rotors(robot):
+        if not rotors_of(robot).armature[k]:
+            _refuse_without_mass(robot, robot.joint_names[k])
     may, ends = movable(robot), [j.position or (-np.pi, np.pi) for j in robot.joints]
     low, high = np.clip(np.reshape(ends, (-1, 2)).T, -np.pi, np.pi)
     q = np.random.default_rng(0).uniform(low, high, (CONFIGURATIONS, low.size))
@@ -280,15 +283,19 @@ def check_definite(robot: Robot) -> None:
         _refuse_identified(robot, names[speed], q[state])
 
 
+def _refuse_without_mass(robot: Robot, who: str) -> NoReturn:
+    raise InputError(
+        f"{robot.name}: {who} can turn or slide without moving any mass, as the motor "
+        "of a flexible joint without a rotor that is known: there is no H+ of such a "
+        "robot unless 'rotors' in its file gives the motor one"
+    )
+
+
 def _refuse_identified(
     robot: Robot, who: str, q: Float[np.ndarray, " joints"]
 ) -> NoReturn:
     if not all(each.has_mass for each in robot.structure.values()):
-        raise InputError(
-            f"{robot.name}: {who} can turn or slide without moving any mass, as the "
-            "motor of a flexible joint without its rotor: there is no H+ of such a "
-            "robot; give the motor under 'rotors' in the robot file"
-        )
+        _refuse_without_mass(robot, who)
     at = joined(f"{x:.3g}" for x in q)
     raise IndefiniteError(
         f"{robot.name}: with the identified parameters H+ is singular or indefinite at "

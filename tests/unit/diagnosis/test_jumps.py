@@ -8,7 +8,9 @@ from orbident.diagnosis import jumps as module
 from orbident.diagnosis.jumps import jumping, jumps, steps
 from orbident.diagnosis.shifts import less
 from orbident.diagnosis.suspects import Scores
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.preprocessing.leaps import Jump
+from orbident.recordings.recording import Recording
 
 ONES = np.ones(3)
 
@@ -32,6 +34,32 @@ def test_a_joint_that_bends_seems_to_jump_and_that_explains_nothing(monkeypatch)
         module, "jumps_of", lambda sensor, *_: [seen] * (sensor == seen.sensor)
     )
     assert [*jumps(problem, fitted(problem), np.inf)] == []
+
+
+def problem_at(t: np.ndarray, rows: np.ndarray) -> MomentumProblem:
+    """Some rows of the clean recording, stamped with other times."""
+    columns = {name: x[rows] for name, x in clean().recording.columns.items()}
+    recording = Recording(t[rows], columns)
+    return momentum_problem(clean().robot, recording, "unknown", lambda _: None)
+
+
+@pytest.mark.parametrize(
+    ("by", "way"), [(0.05, "forward"), (2.0, "forward"), (-0.05, "back")]
+)
+def test_a_clock_that_is_set(by: float, way: str):
+    """The times of rows say so, by whole steps or not."""
+    later = np.arange(301) >= 150
+    problem = problem_at(clean().recording.t + by * later, np.arange(301))
+    found = next(jumps(problem, fitted(problem), np.inf))
+    assert found.accepted
+    at = f"by {abs(by):g} s at t = {15 + by:g} s"
+    assert f"the clock was set {way} {at}" in found.cause
+
+
+def test_a_gap_is_no_clock_that_is_set():
+    rows = np.flatnonzero(np.abs(np.arange(301) - 150) > 10)
+    problem = problem_at(clean().recording.t, rows)
+    assert not any(one.accepted for one in jumps(problem, fitted(problem), np.inf))
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.parameter_checks import positive_energy
+from orbident.estimation.unknowns import DriveFit
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import GearedRotor
 
@@ -31,7 +32,7 @@ def check(problem: MomentumProblem, factor: float, std: float) -> Check:
     off = np.where(np.arange(beta.size) == beta.size - 1, factor, 1.0) * beta
     C = np.diag((std * np.abs(beta) + 1e-12) ** 2)
     known = Known(off, C, np.ones(beta.size, dtype=bool))
-    (found,) = positive_energy(problem, known)
+    (found,) = positive_energy(problem, known, {})
     return found
 
 
@@ -54,7 +55,24 @@ def test_rotors_that_are_too_large(problem: MomentumProblem):
         rotor = GearedRotor(100.0, part * float(beta[-1]) / 100.0)
         geared = replace(robot, rotors={robot.joint_names[-1]: rotor})
         seen = replace(problem, robot=geared, sets=minimal_sets(geared))
-        assert [each.level for each in positive_energy(seen, known)] == levels
+        assert [each.level for each in positive_energy(seen, known, {})] == levels
+
+
+@pytest.mark.parametrize("problem", ["cepheus-like"], indirect=True)
+def test_a_rotor_that_turns_against_its_joint_and_torques_showed(
+    problem: MomentumProblem,
+):
+    """Its momentum makes the link's inertia negative, and its energy does not."""
+    problem = replace(problem, robot=replace(problem.robot, rotors={}))
+    beta = problem.sets.beta(problem.robot.theta)
+    beta[-1] *= -2.0
+    known = Known(beta, 1e-12 * np.eye(beta.size), np.ones(beta.size, dtype=bool))
+    (found,) = positive_energy(problem, known, {})
+    assert not found.passed
+    armature = DriveFit(1.0, 0.1, *[0.0] * 6)
+    drives = {problem.robot.joint_names[-1]: armature}
+    (found,) = positive_energy(problem, known, drives)
+    assert found.passed
 
 
 def test_within_its_deviation_it_is_doubtful(problem: MomentumProblem):
@@ -67,7 +85,7 @@ def test_what_is_not_determined_is_not_judged(problem: MomentumProblem):
     beta = problem.sets.beta(problem.robot.theta)
     unknown = np.arange(beta.size) > 0
     C = np.eye(beta.size)
-    assert not [*positive_energy(problem, Known(-beta, C, unknown))]
+    assert not [*positive_energy(problem, Known(-beta, C, unknown), {})]
 
 
 def test_links_without_mass(problem: MomentumProblem):
@@ -78,5 +96,5 @@ def test_links_without_mass(problem: MomentumProblem):
     beta = problem.sets.beta(light)
     C = np.diag(np.full(beta.size, 1e-12))
     known = Known(beta, C, np.ones(beta.size, dtype=bool))
-    (found,) = positive_energy(replace(problem, robot=robot), known)
+    (found,) = positive_energy(replace(problem, robot=robot), known, {})
     assert found.passed
