@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 64_804,
+    "lines": 64_806,
     "files of estimation": 51,
     "lines of estimation": 12_877,
     "files with one user": 63,

@@ -188,10 +188,12 @@ def with_armatures(robot: Robot, found: Mapping[str, tuple[float, float]]) -> Ro
 
     Each was found with its standard deviation, kg m^2 or kg; what is zero was not.
     """
+    shown = {name: each for name, each in found.items() if all(each)}
+    if not shown:
+        # What was worked out for a robot is kept with it.
+        return robot
     rotors = dict(robot.rotors)
-    for name, (armature, std) in found.items():
-        if not (armature and std):
-            continue
+    for name, (armature, std) in shown.items():
         gear = rotors.get(name, UNKNOWN).gear
         inertia = max(armature / (gear * (gear - 1)), LEAST)
         part = std / abs(gear * (gear - 1) * inertia)
