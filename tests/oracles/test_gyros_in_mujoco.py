@@ -14,8 +14,8 @@ from random_robots import random_robot, random_wheels, sensors_in_space
 
 from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import NO_ROTOR, Robot, Structure
-from orbident.robot.parameters import from_mass_com_inertia
+from orbident.robot.description import NO_ROTOR, Robot
+from orbident.robot.parameters import Structure, from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.trajectories.trajectory import Trajectory
 

@@ -20,8 +20,8 @@ from orbident.estimation.result import Result
 from orbident.identified.comparison import compare
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import reconstructed
-from orbident.robot.description import GearedRotor, Joint, Robot, Structure, Wheel
-from orbident.robot.parameters import from_mass_com_inertia
+from orbident.robot.description import GearedRotor, Joint, Robot, Wheel
+from orbident.robot.parameters import Structure, from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.studies.paper_tables import paper_basis, planar_columns
 

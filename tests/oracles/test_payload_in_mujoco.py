@@ -17,8 +17,8 @@ from random_motions import random_motion
 
 from orbident.estimation.identify import identify
 from orbident.identified.comparison import compare
-from orbident.robot.description import GearedRotor, Joint, Robot, Structure, Wheel
-from orbident.robot.parameters import from_mass_com_inertia
+from orbident.robot.description import GearedRotor, Joint, Robot, Wheel
+from orbident.robot.parameters import Structure, from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors
 
 PAYLOAD = from_mass_com_inertia(8.0, np.array([0.3, 0.0, 0.0]), np.zeros((3, 3)))

@@ -13,7 +13,8 @@ from random_robots import random_planar_robot, random_robot
 
 from orbident.model.formulas import formulas_of, mass_forms
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
-from orbident.robot.description import Axis, Robot, Structure
+from orbident.robot.description import Axis, Robot
+from orbident.robot.parameters import Structure
 
 JOINTS, STATES = 3, 6
 # The sets are found over normalised columns whose distance from one another is 1e-3

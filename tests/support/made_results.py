@@ -9,7 +9,8 @@ from orbident.estimation.quantities import NO_ROUTES, BaseSet, EstimatedSet, Tot
 from orbident.estimation.result import Result
 from orbident.model.formulas import formulas_of, nominal_parameters
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
+from orbident.robot.parameters import Structure
 
 REFUSED = Check("scale", "do not trust", "mass: no scale", "spin a wheel up")
 

@@ -30,7 +30,7 @@ ODD = 100.0
 """Times that a step differs more from usual ones than any other does."""
 
 ROUNDING = 1e-6
-"""Of a step: what times in files leave."""
+"""Part of a step by which times differ that files hold with few digits."""
 
 RATES = ("gyro", "velocity")
 OF_THE_BASE = ("position", "attitude", *RATES)

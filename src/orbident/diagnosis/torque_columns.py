@@ -50,8 +50,9 @@ class MeasuredMotion(NamedTuple):
     q: Float[np.ndarray, "n joints"]
     """Joint positions, rad or m."""
     rates: Float[np.ndarray, "n rates"]
-    """Of the base, joints and wheels."""
+    """Rates of the base, of joints and of wheels, rad/s or m/s."""
     accelerations: Float[np.ndarray, "n rates"]
+    """Derivatives of the rates, rad/s^2 or m/s^2."""
 
     def torques(self, robot: Robot) -> Float[np.ndarray, "n joints"]:
         """What it takes of joints of such bodies whose base floats, N m or N."""
@@ -78,7 +79,7 @@ class ColumnFit(NamedTuple):
     as_it_should: float
     """Part of the column's squares that is left with a gain that CAD allows."""
     sign: float
-    """Of torque, friction and rotor together; 1 as it should be."""
+    """Sign of the whole column: 1 as it should be, -1 where it is the opposite."""
     gain: float
     """Times the torque by CAD that the column shows; zero where friction is all."""
     left: float

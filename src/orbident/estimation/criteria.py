@@ -13,13 +13,13 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.joint_laws import turned_by, what_swings
+from orbident.estimation.output_error.torques import possible_motors
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
     beside_nominal,
     long_enough,
     mass_checks,
     positive_energy,
-    possible_motors,
     possible_numbers,
 )
 from orbident.estimation.quantities import Quantity

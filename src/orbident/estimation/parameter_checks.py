@@ -15,7 +15,7 @@ from jaxtyping import Float
 from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import TIMES_CAD, ChiSquare
+from orbident.estimation.levels import TIMES_CAD
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
@@ -312,27 +312,6 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
         reason = f"mass: found {M.value:.4g} kg, which no robot has"
     if not (finite and M.value > 0):
         yield Check("possible numbers", "do not trust", reason, CAUSES)
-
-
-def possible_motors(drives: Mapping[str, DriveFit]) -> Iterator[Check]:
-    """Whether rotors and friction are no less than nothing, as their torques say."""
-    for name, fit in drives.items():
-        parts = {
-            "rotor's inertia": (fit.armature, fit.armature_std),
-            "viscous friction": (fit.viscous, fit.viscous_std),
-            "Coulomb friction": (fit.coulomb, fit.coulomb_std),
-        }
-        for what, (value, std) in parts.items():
-            square = (value / std) ** 2 if value < 0 and std else 0.0
-            if ChiSquare(square, 1).is_no_chance("other parameters"):
-                yield Check(
-                    "motors",
-                    "do not trust",
-                    f"the {what} of joint '{name}' would be {value:.3g} +- {std:.1g} "
-                    "(SI), by its torques, and none is less than nothing",
-                    "check the signs, units and order of the torque columns, and "
-                    "whether something else moves or holds the joint, such as a cable",
-                )
 
 
 def mass_checks(

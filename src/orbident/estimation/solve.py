@@ -150,7 +150,7 @@ def solved_by(
 def _in_parts(
     problem: MomentumProblem, estimator: Recursive, progress: Progress
 ) -> Solved | None:
-    """The estimate of a filter that is told when the robot changed; None if it did not.
+    """The recursive estimate of a robot that changed, or None if it did not change.
 
     A filter that begins at CAD values now and then takes its own errors for a change,
     so it does not look for one itself. The robot since the last change is what it

@@ -21,7 +21,7 @@ from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
 
 JointNodes = Float[np.ndarray, "nodes joints"]
-"""Of joints at nodes of a motion, rad or m, and s."""
+"""Positions or rates of joints at the nodes of a motion; rad or m, and s."""
 Standing = Float[np.ndarray, "joints 3"]
 """Position, rate and acceleration of each joint at an end, rad or m, and s."""
 

@@ -25,8 +25,8 @@ from orbident.identified.single_body import (
     free_columns,
     total,
 )
-from orbident.robot.description import Robot, Structure
-from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.robot.description import Robot
+from orbident.robot.parameters import PER_BODY, SYMBOLS, Structure
 
 
 @dataclass(frozen=True, repr=False)

@@ -26,7 +26,8 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.files.names import listed
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
+from orbident.robot.parameters import Structure
 
 TOLERANCE = 1e-9
 """Relative, and in m: what a change of a file's digits may do."""

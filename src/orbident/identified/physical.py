@@ -22,12 +22,13 @@ from orbident.extras import extra
 from orbident.model.core_robot import spinning_parts, theta_with_rotors
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, check_known, reconstructed, root_of
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
     MASS,
     PER_BODY,
+    Structure,
     inertia_matrix,
 )
 

@@ -15,7 +15,7 @@ from orbident.estimation.quantities import Parameters, Quantity
 from orbident.files.json_parts import nulled
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.difference import Difference, determined_combinations
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA,
@@ -23,6 +23,7 @@ from orbident.robot.parameters import (
     MASS,
     PER_BODY,
     SYMBOLS,
+    Structure,
     inertia_matrix,
 )
 

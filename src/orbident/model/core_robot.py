@@ -22,14 +22,14 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.files.names import listed
-from orbident.robot.description import (
-    NO_FRICTION,
-    NO_ROTOR,
-    GearedRotor,
-    Robot,
+from orbident.robot.description import NO_FRICTION, NO_ROTOR, GearedRotor, Robot
+from orbident.robot.parameters import (
+    INERTIA,
+    INERTIA_ENTRIES,
+    PER_BODY,
+    SYMBOLS,
     Structure,
 )
-from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES, PER_BODY, SYMBOLS
 
 
 class Wheels(NamedTuple):

@@ -26,7 +26,7 @@ from orbident import _core
 from orbident.gaussian import NINETY_FIVE, noisiest_std
 
 Samples = Float[np.ndarray, " n"]
-"""Of one axis, or their times, s."""
+"""Samples of one axis of a sensor, or the times of samples, s."""
 
 FEWEST = 200
 """Samples: with less the parts cannot be told apart."""

@@ -24,7 +24,7 @@ from orbident.model.rotations import UNTURNED
 from orbident.robot.sensor_schema import GyroSpec
 
 Times = Float[np.ndarray, " n"]
-"""Of samples, s."""
+"""Times of samples, s."""
 Vectors = Float[np.ndarray, "n 3"]
 """At these times."""
 Attitudes = Float[np.ndarray, "n 4"]

@@ -22,7 +22,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.orbits.orbit import Orbit
 from orbident.robot.may_act import MayAct
-from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.robot.parameters import PER_BODY, SYMBOLS, Axis, Structure
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
 from orbident.robot.units import (
@@ -48,8 +48,6 @@ def _unit_vector(value: object) -> Float[np.ndarray, "3"]:
 
 UNIT_VECTOR = PlainValidator(_unit_vector)
 """Reads a direction of a robot file as an array of length one."""
-
-Axis = Literal["x", "y", "z"]
 
 
 @dataclass(frozen=True)
@@ -272,38 +270,6 @@ class Torquer:
     """Unit vector of its dipole, base axes."""
     gain: Share = 0.1
     """Standard deviation of its dipole, over that which a recording says."""
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What is known of one body's mass distribution; nothing by default."""
-
-    com_on_axis: Axis | None = None
-    """The CM lies on this axis of the body frame."""
-    principal_axes: bool = False
-    """The inertia has no products in body axes."""
-    massless: bool = False
-    """It only carries joints."""
-    spins_about: Axis | None = None
-    """It is the rotor of its joint's motor: it has inertia about this axis alone."""
-
-    @property
-    def has_mass(self) -> bool:
-        """Whether it is a body, and not a rotor or nothing."""
-        return not self.massless and self.spins_about is None
-
-    def zero_parameters(self) -> frozenset[str]:
-        """The symbols of `theta_i` that this knowledge makes zero."""
-        if self.massless:
-            return frozenset(SYMBOLS)
-        if self.spins_about is not None:
-            return frozenset(SYMBOLS) - {"I" + 2 * self.spins_about}
-        zero = set()
-        if self.com_on_axis is not None:
-            zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}
-        if self.principal_axes:
-            zero |= {"Ixy", "Ixz", "Iyz"}
-        return frozenset(zero)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

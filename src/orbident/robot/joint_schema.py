@@ -21,8 +21,8 @@ from orbident.robot.description import (
     Joint,
     Passive,
     Robot,
-    Structure,
 )
+from orbident.robot.parameters import Structure
 from orbident.robot.tolerances import EVERY
 from orbident.robot.units import CONSTANT_OF_A_MOTOR, positive_of
 from orbident.robot.urdf import Urdf

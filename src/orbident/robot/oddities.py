@@ -8,11 +8,12 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import listed
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     MASS,
     SYMBOLS,
+    Structure,
     inertia_about_com,
     inertia_matrix,
 )

@@ -2,8 +2,11 @@
 
 A body has ten, about the origin of its body frame, in body axes (Pinocchio's
 order): `[m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz]`. `theta` stacks the
-bodies, base first.
+bodies, base first. What is known of a body makes some of them zero.
 """
+
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -65,3 +68,38 @@ def transformed(
     # integral of -[p + r]x^2 dm, with r from B's origin.
     I = R_AB @ inertia_matrix(theta_i) @ R_AB.T - P @ S - S @ P - m * P @ P
     return np.array([m, *(s + m * p_AB), *(I[entry] for entry in INERTIA_ENTRIES)])
+
+
+Axis = Literal["x", "y", "z"]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What is known of one body's mass distribution; nothing by default."""
+
+    com_on_axis: Axis | None = None
+    """The CM lies on this axis of the body frame."""
+    principal_axes: bool = False
+    """The inertia has no products in body axes."""
+    massless: bool = False
+    """It only carries joints."""
+    spins_about: Axis | None = None
+    """It is the rotor of its joint's motor: it has inertia about this axis alone."""
+
+    @property
+    def has_mass(self) -> bool:
+        """Whether it is a body, and not a rotor or nothing."""
+        return not self.massless and self.spins_about is None
+
+    def zero_parameters(self) -> frozenset[str]:
+        """The symbols of `theta_i` that this knowledge makes zero."""
+        if self.massless:
+            return frozenset(SYMBOLS)
+        if self.spins_about is not None:
+            return frozenset(SYMBOLS) - {"I" + 2 * self.spins_about}
+        zero = set()
+        if self.com_on_axis is not None:
+            zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}
+        if self.principal_axes:
+            zero |= {"Ixy", "Ixz", "Iyz"}
+        return frozenset(zero)

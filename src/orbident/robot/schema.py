@@ -32,7 +32,6 @@ from orbident.robot.description import (
     KnownQuantities,
     MomentumWalk,
     Stillness,
-    Structure,
     Thruster,
     Torquer,
 )
@@ -44,6 +43,7 @@ from orbident.robot.joint_schema import (
 )
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
+from orbident.robot.parameters import Structure
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import (
     CALIBRATION_KINDS,

@@ -10,7 +10,7 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
-from orbident.estimation.parameter_checks import possible_motors
+from orbident.estimation.output_error.torques import possible_motors
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.unknowns import DriveFit
 

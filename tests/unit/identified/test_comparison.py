@@ -12,8 +12,12 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.comparison import Comparison, compare
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import Robot, Structure
-from orbident.robot.parameters import from_mass_com_inertia, inertia_about_com
+from orbident.robot.description import Robot
+from orbident.robot.parameters import (
+    Structure,
+    from_mass_com_inertia,
+    inertia_about_com,
+)
 from orbident.robot.robot_file import load_robot
 
 TARGET = from_mass_com_inertia(

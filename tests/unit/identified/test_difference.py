@@ -9,7 +9,8 @@ from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.identified.difference import determined_combinations, difference_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
+from orbident.robot.parameters import Structure
 
 STRUCTURES = (
     Structure(),

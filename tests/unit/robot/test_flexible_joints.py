@@ -17,7 +17,8 @@ from orbident.model.equations_of_motion import check_regular
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Passive, Structure
+from orbident.robot.description import Passive
+from orbident.robot.parameters import Structure
 from orbident.robot.robot_file import load_robot, write_robot
 
 ELBOW = "flexible: {joint2: {frequency: 3 Hz, damping: 0.5 %, tolerance: 10 %}}"

@@ -7,7 +7,7 @@ times `sqrt(dt / T)`: two intervals share the sample between them, half of it ea
 that sums over many intervals are as sure as this says.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -16,6 +16,8 @@ from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 
 from orbident.errors import InputError
+from orbident.estimation.checks import Check
+from orbident.estimation.levels import ChiSquare
 from orbident.estimation.output_error.sensors import (
     TORQUES,
     Sensors,
@@ -151,3 +153,24 @@ def drives_of(
             parts += float(declared + error), std
         found[name] = DriveFit(*parts)
     return found
+
+
+def possible_motors(drives: Mapping[str, DriveFit]) -> Iterator[Check]:
+    """Whether rotors and friction are no less than nothing, as their torques say."""
+    for name, fit in drives.items():
+        parts = {
+            "rotor's inertia": (fit.armature, fit.armature_std),
+            "viscous friction": (fit.viscous, fit.viscous_std),
+            "Coulomb friction": (fit.coulomb, fit.coulomb_std),
+        }
+        for what, (value, std) in parts.items():
+            square = (value / std) ** 2 if value < 0 and std else 0.0
+            if ChiSquare(square, 1).is_no_chance("other parameters"):
+                yield Check(
+                    "motors",
+                    "do not trust",
+                    f"the {what} of joint '{name}' would be {value:.3g} +- {std:.1g} "
+                    "(SI), by its torques, and none is less than nothing",
+                    "check the signs, units and order of the torque columns, and "
+                    "whether something else moves or holds the joint, such as a cable",
+                )
