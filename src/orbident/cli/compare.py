@@ -40,7 +40,7 @@ def _lines(comparison: Any) -> list[Any]:
     if change is None:
         return ["refused"]
     lines: list[Any] = [
-        f"{comparison.status}: the base parameters differ by chi-square "
+        f"{comparison.status}: {comparison.of} differ by chi-square "
         f"{change.value:.4g}, expected {change.dof} (p {change.p:.2g})"
     ]
     if comparison.explanations:

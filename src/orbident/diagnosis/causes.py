@@ -44,8 +44,8 @@ from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.obstacles import MASS_BESIDE_NOMINAL, scale_beside_nominal
 from orbident.estimation.output_error.joint_laws import elsewhere
-from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import leaves_nothing
 from orbident.files.names import joined
 from orbident.recordings.column_checks import float32_step
@@ -85,7 +85,7 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
         solved: what the result was judged by.
         search: whether it ends after some seconds, with the likeliest causes tried.
     """
-    said = {one.name for one in solved.hindered} & {"cause", "motion"}
+    said = {one.name for one in solved.hindered} & {"cause", "motion", "velocity of S"}
     if search == "none" or said:
         return ()
     left = max(ANSWER - solved.cpu_s, LEAST) if search == "quick" else np.inf
@@ -161,8 +161,7 @@ def _seen_by_themselves(problem: MomentumProblem) -> Iterator[Check]:
 
 def _of_the_scale(solved: Solved) -> bool:
     """Whether there is no scale, or a unit of the wheels' speeds explains the mass."""
-    robot, found, shown = solved.problem.robot, solved.estimate, solved.shown
-    unit = beside_nominal(found.mass, robot.mass, len(robot.wheels))
+    found, shown, unit = solved.estimate, solved.shown, scale_beside_nominal(solved)
     # A unit leaves the residuals as they are.
     alone = found.converged and (shown is None or leaves_nothing(solved.problem, shown))
     wrong = [*solved.hindered, *(unit if alone else [])]

@@ -350,7 +350,8 @@ def parameters_of_beta(
 
 def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
     """Nonlinear least squares from the nominal values, as if all noise were white."""
-    std = [fit.scatter for fit in (fits.pi, fits.phi)]
+    # Nothing was measured of `phi` where its equations are empty.
+    std = [fit.scatter or 1.0 for fit in (fits.pi, fits.phi)]
     R = block_diag(fits.pi.factor / std[0], fits.phi.factor / std[1])
     z = np.concatenate([fits.pi.target / std[0], fits.phi.target / std[1]])
     nominal, wide = sets.beta(robot.theta), prior_std(robot, sets)

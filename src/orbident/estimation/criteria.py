@@ -10,13 +10,12 @@ from orbident.environment.agents import AGENTS, IN_WORDS, PUSH, SLOW
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.obstacles import surprise
+from orbident.estimation.obstacles import no_velocity, scale_beside_nominal, surprise
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.joint_laws import turned_by, what_swings
 from orbident.estimation.output_error.torques import possible_motors
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
-    beside_nominal,
     long_enough,
     mass_checks,
     positive_energy,
@@ -57,15 +56,19 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
     robot = problem.robot
     names = {check.name for check in hindered}
     found, none = estimate.parameters, not hindered
+    tracked = bool(problem.samples.v_S)
     pi = found.pi.determined & (not names & {"scale", "at rest"})
-    phi = found.phi.determined & ("velocity of S" not in names)
-    base = found.base.determined & none
+    # Momentum alone shows `pi`, of which there may be several robots.
+    phi = found.phi.determined & tracked
+    base = found.base.determined & none & tracked
     checks = [*hindered]
     if "scale" not in names:
         checks += _determined(problem, "pi", pi) if pi.any() or none else []
         checks += surprise(problem)
-    if "velocity of S" not in names:
+    if tracked:
         checks += _determined(problem, "phi", phi)
+    elif none:
+        checks += no_velocity(problem, "with care" if pi.any() else "do not trust")
     if none:
         checks += [
             *what_swings(
@@ -78,7 +81,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *unsettled_weights(shown or estimate),
             *residual_checks(problem, shown or estimate),
             *_agreement(solved),
-            *mass_checks(problem, estimate, shown or estimate),
+            *(mass_checks(problem, estimate, shown or estimate) if tracked else ()),
             *positive_energy(problem, found.base, (shown or estimate).drives),
             *_changes(estimate),
             *_disturbances(estimate, problem),
@@ -89,10 +92,8 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *possible_motors((shown or estimate).drives),
             *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
-            *beside_nominal(
-                estimate.mass, robot.mass, len(robot.wheels), bool(estimate.drives)
-            ),
-            *possible_numbers(estimate),
+            *scale_beside_nominal(solved),
+            *possible_numbers(estimate, tracked),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 

@@ -231,7 +231,9 @@ def estimate_of_beta(
             knows nothing of joints that nobody measures.
     """
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if problem.linear and not disturbed:
+    if not problem.samples.v_S:
+        mass = Quantity(float("nan"), float("nan"))
+    elif problem.linear and not disturbed:
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

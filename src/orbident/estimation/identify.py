@@ -135,17 +135,18 @@ def identify(
     ]
     check_different(held)
     labels = labels_of(held)
-    solved = []
+    alone = list[Solved]()
     for k, each in enumerate(held):
         part = _part(progress, k, len(held))
         one = solve(robot, each, initial_momentum, estimator, part)
-        solved.append(with_push(one, estimator, part))
-    results = [judged(each) for each in solved]
-    agree = agreement(solved, labels)
+        alone.append(with_push(one, estimator, part))
+    # The last one's result is that of all, and shows what any of them shows.
+    order = sorted(range(len(held)), key=lambda k: bool(alone[k].problem.samples.v_S))
+    labels, alone = [labels[k] for k in order], [alone[k] for k in order]
+    results = [judged(each) for each in alone]
+    agree = agreement(alone, labels)
     if agree.passed and all(one.status == "ok" for one in results):
-        again = solved_together(
-            solved, estimator, lambda done: progress((1 + done) / 2)
-        )
+        again = solved_together(alone, estimator, lambda done: progress((1 + done) / 2))
         results = [judged(each) for each in again]
     return as_one(results, labels, agree)
 

@@ -1,9 +1,15 @@
-"""Why a recording cannot tell the parameters, whatever the method."""
+"""Why a recording cannot tell the parameters, or not their scale, by any method."""
+
+import math
+from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.estimation.checks import Check
+from orbident.estimation.checks import Check, Level
+from orbident.estimation.estimate import Solved
+from orbident.estimation.levels import TIMES_CAD
 from orbident.estimation.momentum_problem import EXPLAINED, VARIES, MomentumProblem
+from orbident.estimation.quantities import Quantity
 from orbident.files.names import listed
 from orbident.preprocessing.delays import LONGEST, NAMES
 
@@ -16,6 +22,21 @@ FREED = 0.5
 MOVING = 5.0
 # CAD values are off by some ten percent; a robot that was not at rest by far more.
 SURPRISING = 0.3
+
+WHEEL_UNITS = {
+    "degrees per second": 180 / math.pi,
+    "turns per minute": 30 / math.pi,
+    "turns per second": 0.5 / math.pi,
+}
+"""What a speed of 1 rad/s is in other units: pi and M are so many times too large where
+wheel speeds in them are taken for rad/s."""
+
+NEAR = 1.5
+"""Times that an identified mass may be off a unit's factor: CAD values are hardly
+further off."""
+
+MASS_BESIDE_NOMINAL = "mass beside the nominal one"
+"""The check's name."""
 
 
 def obstacles(problem: MomentumProblem, by_torque: bool = False) -> list[Check]:
@@ -31,7 +52,7 @@ def obstacles(problem: MomentumProblem, by_torque: bool = False) -> list[Check]:
         return still
     told = problem.samples.unknown_thrust or (by_torque and not problem.scale_seen)
     scale = [] if told else _no_scale(problem)
-    return [*_clocks_apart(problem), *scale, *_no_velocity(problem)]
+    return [*_clocks_apart(problem), *scale]
 
 
 def no_motion(problem: MomentumProblem) -> list[Check]:
@@ -64,15 +85,23 @@ def _clocks_apart(problem: MomentumProblem) -> list[Check]:
     ]
 
 
-def _no_velocity(problem: MomentumProblem) -> list[Check]:
-    """Why `phi` is not determined."""
-    if not problem.samples.v_S:
-        reason = (
-            "phi and the mass are not determined: the recording has no velocity.x .y "
-            ".z of the feature point (nor position.x .y .z)"
-        )
-        return [_refused("velocity of S", reason, "record one of them")]
-    return []
+def no_velocity(problem: MomentumProblem, level: Level = "do not trust") -> list[Check]:
+    """Why `phi` and the mass are not determined: momentum alone was recorded.
+
+    Args:
+        problem: of a recording.
+        level: of a method that cannot go without.
+    """
+    if problem.samples.v_S:
+        return []
+    reason = (
+        "phi and the mass are not determined: the recording has no velocity.x .y "
+        ".z of the feature point (nor position.x .y .z)"
+    )
+    remedy = "record one of them"
+    if level == "do not trust":
+        remedy += ", or identify pi alone by maximum-likelihood"
+    return [Check("velocity of S", level, reason, remedy)]
 
 
 def _no_scale(problem: MomentumProblem) -> list[Check]:
@@ -155,6 +184,65 @@ def surprise(problem: MomentumProblem) -> list[Check]:
             SURPRISING,
         )
     ]
+
+
+def scale_beside_nominal(solved: Solved) -> Iterator[Check]:
+    """Whether the mass, or `pi` where that is all, is as large as CAD has it."""
+    problem, found, robot = solved.problem, solved.estimate, solved.problem.robot
+    given = len(robot.wheels), bool((solved.shown or found).drives)
+    if problem.samples.v_S:
+        return beside_nominal(found.mass, robot.mass, *given)
+    pi, cad = found.parameters.pi, problem.sets.pi(robot.theta)
+    size, nominal = (
+        float(np.linalg.norm(each[pi.determined])) for each in (pi.values, cad)
+    )
+    if not nominal:
+        return iter(())
+    return beside_nominal(Quantity(size, math.nan), nominal, *given, ("pi", "kg m^2"))
+
+
+def beside_nominal(
+    M: Quantity,
+    nominal: float,
+    wheels: int,
+    torques: bool = False,
+    what: tuple[str, str] = ("mass", "kg"),
+) -> Iterator[Check]:
+    """Whether the mass is far from the nominal one, as it is with a wrong scale.
+
+    Wheels, known thrust or torques alone give the scale, so nothing else in a recording
+    shows that wheel speeds are in another unit, or that inertia or thrust is wrong.
+
+    Args:
+        M: the identified mass, kg.
+        nominal: the mass in the robot file, kg.
+        wheels: how many wheels the robot has.
+        torques: whether those of joints were measured.
+        what: what is compared, and its unit.
+    """
+    name, unit = what
+    times = M.value / nominal
+    if not (times > TIMES_CAD or times < 1 / TIMES_CAD):
+        return
+    units = [
+        each for each, factor in WHEEL_UNITS.items() if 1 / NEAR < times / factor < NEAR
+    ]
+    source, known = "thrust", "the thrust"
+    if wheels:
+        source, known = "wheels", "wheel speeds and the wheels' inertia"
+    elif torques:
+        source, known = "torques of joints", "the torques"
+    yield Check(
+        MASS_BESIDE_NOMINAL,
+        "do not trust" if wheels and units else "with care",
+        f"{name}: {M.value:.4g} {unit} is {times:.2g} times the nominal {nominal:.4g} "
+        f"{unit}, and only {source} can say how large all parameters are",
+        f"see whether wheel speeds are in {units[0]} and not in rad/s"
+        if wheels and units
+        else f"check the unit of {known}, unless the robot holds or has lost a load",
+        times,
+        TIMES_CAD,
+    )
 
 
 def _refused(name: str, reason: str, remedy: str) -> Check:

@@ -4,7 +4,6 @@ The total mass is there by several routes: which count, and whether they agree. 
 kinetic energy of a robot that exists is positive.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
@@ -15,7 +14,6 @@ from jaxtyping import Float
 from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import TIMES_CAD
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.residual_checks import CAUSES
@@ -45,21 +43,6 @@ WHITE_ONLY = (
     "use the first: the deviations of Eq. 32 count white noise only, so they are too "
     "narrow where encoders or a drift add to it"
 )
-
-WHEEL_UNITS = {
-    "degrees per second": 180 / math.pi,
-    "turns per minute": 30 / math.pi,
-    "turns per second": 0.5 / math.pi,
-}
-"""What a speed of 1 rad/s is in other units: pi and M are so many times too large where
-wheel speeds in them are taken for rad/s."""
-
-NEAR = 1.5
-"""Times that an identified mass may be off a unit's factor: CAD values are hardly
-further off."""
-
-MASS_BESIDE_NOMINAL = "mass beside the nominal one"
-"""The check's name."""
 
 IN_WHEELS = "with more momentum in the wheels"
 
@@ -132,44 +115,6 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
     elif no_chance:
         remedy = "check the burn's force" if BURN in no_chance else WHITE_ONLY
     yield Check("routes to the mass", level, reason, remedy, max(over.values()), 1.0)
-
-
-def beside_nominal(
-    M: Quantity, nominal: float, wheels: int, torques: bool = False
-) -> Iterator[Check]:
-    """Whether the mass is far from the nominal one, as it is with a wrong scale.
-
-    Wheels, known thrust or torques alone give the scale, so nothing else in a recording
-    shows that wheel speeds are in another unit, or that inertia or thrust is wrong.
-
-    Args:
-        M: the identified mass, kg.
-        nominal: the mass in the robot file, kg.
-        wheels: how many wheels the robot has.
-        torques: whether those of joints were measured.
-    """
-    times = M.value / nominal
-    if not (times > TIMES_CAD or times < 1 / TIMES_CAD):
-        return
-    units = [
-        unit for unit, factor in WHEEL_UNITS.items() if 1 / NEAR < times / factor < NEAR
-    ]
-    source, known = "thrust", "the thrust"
-    if wheels:
-        source, known = "wheels", "wheel speeds and the wheels' inertia"
-    elif torques:
-        source, known = "torques of joints", "the torques"
-    yield Check(
-        MASS_BESIDE_NOMINAL,
-        "do not trust" if wheels and units else "with care",
-        f"mass: {M.value:.4g} kg is {times:.2g} times the nominal {nominal:.4g} kg, "
-        f"and only {source} can say how large pi and M are",
-        f"see whether wheel speeds are in {units[0]} and not in rad/s"
-        if wheels and units
-        else f"check the unit of {known}, unless the robot holds or has lost a load",
-        times,
-        TIMES_CAD,
-    )
 
 
 CONFIGURATIONS = 32
@@ -295,13 +240,17 @@ def _energy(
     return np.delete(np.delete(at, motors, axis=1), motors, axis=2)
 
 
-def possible_numbers(estimate: Estimate) -> Iterator[Check]:
+def possible_numbers(estimate: Estimate, tracked: bool) -> Iterator[Check]:
     """Whether what is determined has a value, and the mass is one.
 
     A recursion whose samples tell no scale has none.
+
+    Args:
+        estimate: of a recording.
+        tracked: whether it shows a mass.
     """
     found, M = estimate.parameters, estimate.mass
-    numbers = [np.array([M.value, M.std])] + [
+    numbers = [np.array([M.value, M.std] if tracked else [])] + [
         x[known.determined]
         for known in (found.pi, found.phi, found.base)
         for x in (known.values, np.diag(known.covariance))
@@ -310,7 +259,7 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
     reason = "what was found is no number: too few samples count, or they overflow"
     if finite:
         reason = f"mass: found {M.value:.4g} kg, which no robot has"
-    if not (finite and M.value > 0):
+    if not finite or M.value <= 0:
         yield Check("possible numbers", "do not trust", reason, CAUSES)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Sized
 from dataclasses import dataclass, field, fields, replace
 from itertools import islice
+from textwrap import shorten
 from typing import Any, TypeVar
 
 import numpy as np
@@ -325,7 +326,12 @@ def short_table(found: EstimatedSet) -> list[str]:
 
 
 def physical_names(base: EstimatedSet | Formulas) -> list[str]:
-    """What each base parameter is, in `WIDEST` letters; its symbol if need be."""
+    """What each base parameter is, in `WIDEST` letters; its symbol if need be.
+
+    Of `pi` it is the beginning of the formula.
+    """
+    if base.names[:1] == ("pi_1",):
+        return [shorten(x, WIDEST, placeholder=" ...") for x in base.formulas]
     pairs = zip(base.names, base.formulas, strict=True)
     return of_width([physical_name(*pair) for pair in pairs], WIDEST)
 

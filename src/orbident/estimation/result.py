@@ -207,6 +207,9 @@ class Result(BesideParameters, Identified):
         )
         if self.status == "rejected":
             return [head, self.refusal()]
+        if self.of_momentum_alone:
+            alone = "pi alone, as no positions show the mass"
+            return [head, alone, "", *short_table(self.pi)]
         within = Interval(self.mass.value, self.mass.std)
         mass = f"mass {self.mass!r} by {self.method} (95 %: {within})"
         return [head, mass, "", *short_table(self.base)]
@@ -288,6 +291,25 @@ class Result(BesideParameters, Identified):
         whole = Identified(**fields_as(self, Identified))
         return replace(self, **vars(whole.nothing()), diagnostics=whole)
 
+    @property
+    def of_momentum_alone(self) -> bool:
+        """Whether no positions were recorded, so that there is `pi` and no mass."""
+        return self.status == "ok" and not np.isfinite(self.mass.value)
+
+    def check_model(self) -> None:
+        """Refuse to make a model of what must not be trusted, or of `pi` alone.
+
+        Raises:
+            InputError: the result is rejected, or has no mass.
+        """
+        self.check_accepted()
+        if self.of_momentum_alone:
+            raise InputError(
+                f"the result for '{self.robot.name}' is pi alone: no model is made "
+                "without the mass and phi; record position or velocity of the feature "
+                "point, too"
+            )
+
     def check_accepted(self) -> None:
         """Refuse to go on with what must not be trusted.
 
@@ -311,7 +333,7 @@ class Result(BesideParameters, Identified):
             InputError: the result is rejected or not complete, or no bodies that can
                 exist are near.
         """
-        self.check_accepted()
+        self.check_model()
         rubbed = {
             name: Friction(fit.viscous, fit.coulomb, fit.offset)
             for name, fit in self.drives.items()

@@ -63,10 +63,14 @@ def agreement(solved: Sequence[Solved], labels: Sequence[str]) -> Check:
     is chi-square distributed where they do (Cochran 1954).
     """
     name = "agreement of recordings"
-    # What is plainly wrong, or has no scale, is refused by itself.
+    # What is plainly wrong, or has no scale, is refused by itself; beside recordings
+    # with positions those without show no base parameters.
+    tracked = [bool(x.problem.samples.v_S) for x in solved]
     told = [
-        not x.hindered and np.isfinite(x.estimate.parameters.base.covariance).all()
-        for x in solved
+        not x.hindered
+        and np.isfinite(x.estimate.parameters.base.covariance).all()
+        and shows == any(tracked)
+        for x, shows in zip(solved, tracked, strict=True)
     ]
     labels = [*compress(labels, told)]
     solved = [*compress(solved, told)]

@@ -244,11 +244,13 @@ class Prior(NamedTuple):
     """The same of what scales and balances said."""
     carried: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
     """The same of what passive joints carry."""
+    held: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
+    """The same of what nothing shows, and on which nothing depends."""
 
     @property
     def equations(self) -> tuple[Float[np.ndarray, "rows columns"], ...]:
         """All equations."""
-        return self.others, self.measured, self.carried
+        return self.others, self.measured, self.carried, self.held
 
     def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
         """The prior with more unknowns, which are zero with these deviations."""

@@ -15,7 +15,7 @@ from orbident.estimation.momentum_problem import (
     momentum_problem,
     whole,
 )
-from orbident.estimation.obstacles import obstacles
+from orbident.estimation.obstacles import no_velocity, obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.recursive.history import Recursive
@@ -49,11 +49,10 @@ def solve(
     problem, shown = _begun(robot, recording, initial_momentum, estimator, reading)
     _check_outside(problem, estimator)
     problem = _with_what_is_left_out(problem, estimator)
-    by_torque = _by_torque(problem, estimator)
     # What needs no fit of all comes first.
     hindered = [
         *_plainly("plain_mistake", problem, shown),
-        *obstacles(problem, by_torque),
+        *_obstacles(problem, estimator),
     ]
     if not hindered and isinstance(estimator, Recursive) and in_whole(problem):
         estimator = replace(estimator, changes=changes_of(problem))
@@ -64,7 +63,7 @@ def solve(
         hindered = _plainly("plain_change", problem, shown)
     if not hindered and shown is None:
         problem, shown = evidence(problem, estimator, later)
-        hindered = obstacles(problem, by_torque)
+        hindered = _obstacles(problem, estimator)
     if hindered:
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
@@ -108,17 +107,19 @@ def _begun(
         # Something must be integrated over all rows, in memory.
         held = recording.read()
         return _begun(robot, held, initial_momentum, estimator, progress)
-    if not obstacles(problem, _by_torque(problem, estimator)):
+    if not _obstacles(problem, estimator):
         # Its clocks are settled before all rows are read.
         problem, shown = evidence(problem, estimator, lambda _: None)
     again = not isinstance(estimator, LeastSquares)
     return Evidence(whole(problem, recording, again, progress), shown)
 
 
-def _by_torque(problem: MomentumProblem, estimator: Estimator) -> bool:
-    """Whether torques of joints were recorded, and the method takes them."""
-    takes = isinstance(estimator, OutputError)
-    return takes and bool(joints_with_torques(problem.robot, problem.recording))
+def _obstacles(problem: MomentumProblem, estimator: Estimator) -> list[Check]:
+    """Only maximum likelihood takes torques of joints, or can go without positions."""
+    if isinstance(estimator, OutputError):
+        driven = joints_with_torques(problem.robot, problem.recording)
+        return obstacles(problem, bool(driven))
+    return [*obstacles(problem), *no_velocity(problem)]
 
 
 def solved_by(

@@ -20,7 +20,7 @@ from orbident.estimation.base_parameters import (
 )
 from orbident.estimation.budget import Budget, budget_of
 from orbident.estimation.linear_fits import InitialMomentum, rest_std
-from orbident.estimation.output_error.beforehand import prior_of
+from orbident.estimation.output_error.beforehand import prior_of, with_hidden_held
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import (
@@ -114,6 +114,8 @@ def bound_of(
     prior = prior_of(robot, sets, problem.declared, outside, rest).extended(
         np.array([each.std for each in problem.expected])
     )
+    if {"position", "velocity", "accelerometer"}.isdisjoint(sensors.by_name):
+        prior = with_hidden_held(prior, robot, sets)
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
     found = parameters_of_beta(

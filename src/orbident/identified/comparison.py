@@ -13,6 +13,7 @@ from orbident.estimation.result import Result
 from orbident.files.names import joined, suggestion
 from orbident.identified.difference import (
     Difference,
+    change_of_pi,
     check_same_robot,
     determined_combinations,
     difference_of,
@@ -38,7 +39,9 @@ class Comparison:
     warnings: tuple[str, ...]
     """What a person should know of it, in sentences."""
     change: ChiSquare | None = None
-    """Chi-square of the base parameters' difference; None for rejected results."""
+    """Chi-square of the difference; None for rejected results."""
+    of: Literal["base parameters", "pi"] = "base parameters"
+    """What is compared: `pi` where a result has nothing else."""
     explanations: tuple[Explanation, ...] = ()
     """Explanations by one body that joined another, the most probable first."""
     body: str | None = None
@@ -53,8 +56,8 @@ class Comparison:
             return f"{self.status}: {'; '.join(self.warnings)}"
         chi2, dof, p = self.change.value, self.change.dof, self.change.p
         lines = [
-            f"{self.status}: the base parameters differ by chi-square {chi2:.4g}, "
-            f"expected {dof} (p {p:.2g})"
+            f"{self.status}: {self.of} differ by chi-square {chi2:.4g}, expected {dof} "
+            f"(p {p:.2g})"
         ]
         if self.added is not None:
             did = "let go by" if self.added.mass.value < 0 else "captured by"
@@ -67,6 +70,7 @@ class Comparison:
             "status": self.status,
             "warnings": list(self.warnings),
             "change": None if self.change is None else self.change.to_json(),
+            "of": self.of,
             "body": self.body,
             "explanations": [
                 {"body": e.body, **e.left.to_json(), "probability": e.probability}
@@ -100,7 +104,26 @@ def compare(before: Result, after: Result, body: str | None = None) -> Compariso
     untrusted = rejected(before, after)
     if untrusted:
         return Comparison("rejected", untrusted)
+    if before.of_momentum_alone or after.of_momentum_alone:
+        return _of_momentum(before, after)
     return _compared(before, after, body)
+
+
+def _of_momentum(before: Result, after: Result) -> Comparison:
+    """Whether `pi` is another, where that is all that one of the results has."""
+    change = change_of_pi(before, after)
+    warnings = optimistic(before, after)
+    if not change.is_no_chance("comparison"):
+        words = (
+            "pi is compared, as a result has nothing else: robots that differ in their "
+            "masses may have one pi; record positions, too, to tell them apart"
+        )
+        return Comparison("no change", (*warnings, words), change, of="pi")
+    words = (
+        "pi alone does not say what was captured or let go; record positions before "
+        "and after"
+    )
+    return Comparison("changed", (*warnings, words), change, of="pi")
 
 
 def _compared(before: Result, after: Result, body: str | None) -> Comparison:
@@ -120,7 +143,7 @@ def _compared(before: Result, after: Result, body: str | None) -> Comparison:
     elif best.left.is_no_chance("comparison"):
         useless = unexplained(best, found)
     if useless:
-        return Comparison("rejected", (*warnings, useless), change, found)
+        return Comparison("rejected", (*warnings, useless), change, explanations=found)
     added = added_body(best.theta, best.covariance)
     warnings += others(best, found) if body is None else ()
     return Comparison(

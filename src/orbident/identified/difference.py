@@ -23,6 +23,8 @@ from jaxtyping import Bool, Float
 from scipy.linalg import null_space
 
 from orbident.errors import InputError
+from orbident.estimation.base_parameters import prior_std
+from orbident.estimation.levels import ChiSquare
 from orbident.estimation.result import Result
 from orbident.files.names import listed
 from orbident.model.minimal_sets import minimal_sets
@@ -158,6 +160,32 @@ def difference_of(before: Result, after: Result) -> Difference:
     values, vectors = np.linalg.eigh(Q.T @ (C / np.outer(std, std)) @ Q)
     W = (vectors / np.sqrt(np.maximum(values, FLOOR))).T
     return Difference(Q.T @ (d / std), Q.T @ (T_c / std[:, None]), W, T_c)
+
+
+def change_of_pi(before: Result, after: Result) -> ChiSquare:
+    """Chi-square of the difference in `pi`, as far as both determine it.
+
+    There are more of `pi` than numbers that they depend on: of their covariance's
+    eigenvalues no more than these count.
+
+    Raises:
+        InputError: the robots' structures differ, and so do the parameters in `pi`.
+    """
+    if before.pi.formulas != after.pi.formulas:
+        raise InputError(
+            "the structures of the robots differ, so that their pi are of other "
+            "parameters; identify one of them again with the structure of the other"
+        )
+    d = after.pi.values - before.pi.values
+    n, known = d.size, np.isfinite(d)
+    C = (before.covariance + after.covariance)[:n, :n][np.ix_(known, known)]
+    sets = minimal_sets(after.robot)
+    of_pi, _ = sets.derivatives(sets.beta(after.robot.theta))
+    free = np.linalg.matrix_rank(of_pi[known] * prior_std(after.robot, sets), ZERO)
+    std = np.sqrt(np.diag(C))
+    values, vectors = np.linalg.eigh(C / np.outer(std, std))
+    z = vectors.T[-free:] @ (d[known] / std) / np.sqrt(values[-free:])
+    return ChiSquare(float(z @ z), int(free))
 
 
 def determined_combinations(

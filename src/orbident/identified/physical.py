@@ -108,7 +108,7 @@ def physical_bodies(
     Raises:
         InputError: the result is rejected or not complete, or cvxpy is not installed.
     """
-    result.check_accepted()
+    result.check_model()
     robot, beta = result.robot, result.base.values
     check_known(robot, beta)
     by_beta = (minimal_sets(robot).base.theta_of @ beta).reshape(apart.shape)

@@ -98,7 +98,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
         InputError: the result has undetermined parameters, or the recording lacks what
             prediction needs, or has thrust.
     """
-    result.check_accepted()
+    result.check_model()
     _check_complete(result)
     robot, sets = result.robot, minimal_sets(result.robot)
     if any(recorded_thrust(robot, recording)):

@@ -185,7 +185,7 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
 
 def _of_poses(result: Result, recording: Recording) -> Validation:
     """The errors of poses alone: thrust is in no other prediction."""
-    result.check_accepted()
+    result.check_model()
     found = PoseErrors({}, {})
     if np.isfinite(result.base.values).all() and not result.robot.passive:
         found = pose_errors(result, recording)

@@ -99,7 +99,7 @@ def write_mcap(
         InputError: the result is rejected or not complete, the recording lacks what
             prediction needs, a library is not installed, or the file cannot be written.
     """
-    result.check_accepted()
+    result.check_model()
     replay = predicted_motion(result, recording)
     if replay.predicted is None:
         raise InputError("; ".join(replay.warnings))

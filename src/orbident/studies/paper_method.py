@@ -13,7 +13,7 @@ from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import momentum_problem
-from orbident.estimation.obstacles import obstacles
+from orbident.estimation.obstacles import no_velocity, obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.triangular import condition_numbers
@@ -163,7 +163,7 @@ def paper_fits(
     """The linear fits of `paper_method`, before they are judged."""
     problem = momentum_problem(robot, recording, initial_momentum, lambda _: None)
     estimate = LeastSquares().estimate(problem, lambda _: None)
-    return Solved(problem, obstacles(problem), estimate, None)
+    return Solved(problem, [*obstacles(problem), *no_velocity(problem)], estimate, None)
 
 
 def judged(solved: Solved, method: str, elapsed: float = 0.0) -> Result:

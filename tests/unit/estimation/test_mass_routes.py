@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from orbident.estimation.base_parameters import mass_of
+from orbident.estimation.obstacles import beside_nominal
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
-    beside_nominal,
     is_a_mass,
     sigmas_apart,
 )

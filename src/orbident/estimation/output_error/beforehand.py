@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from orbident.environment.agents import NEEDS, WALKS
 from orbident.errors import InputError
-from orbident.estimation.base_parameters import prior_std
+from orbident.estimation.base_parameters import hidden_of, prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.joint_laws import HELD
@@ -40,6 +40,9 @@ UNKNOWN = 1e3
 
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
+
+HELD_WITHIN = 1e-8
+"""Std of what nothing shows, over that which it has else beforehand."""
 
 ONE_MAKE = {"inertia": 0.01, "frequency": 0.01, "damping": 0.1}
 """Std of how far two of one make are apart, relative: what a workshop leaves, and less
@@ -170,6 +173,26 @@ def with_others(prior: Prior, others: Shared, calibrations: Sequence[Unknown]) -
     """Add what other recordings of the robot say of `beta` and its instruments."""
     rows = others.over(calibrations)
     return prior._replace(others=np.hstack([np.zeros((len(rows), OUTSIDE)), rows]))
+
+
+def with_hidden_held(prior: Prior, robot: Robot, sets: MinimalSets) -> Prior:
+    """Of the robots that momentum and what is known leave, the one nearest to nominal.
+
+    Momentum alone shows `pi`, and nothing that it predicts depends on the choice.
+
+    Args:
+        prior: of all unknowns.
+        robot: with its nominal inertia.
+        sets: its minimal sets.
+    """
+    beta, scale = sets.beta(robot.theta), prior_std(robot, sets)
+    of_pi, _ = sets.derivatives(beta)
+    of_beta = slice(OUTSIDE, OUTSIDE + beta.size)
+    known = (rows[:, of_beta] for rows in (prior.others, prior.measured) if len(rows))
+    hidden = hidden_of(np.vstack([of_pi, *known]), scale)
+    rows = (hidden / scale[:, None] ** 2).T / HELD_WITHIN
+    none = np.zeros((len(rows), OUTSIDE))
+    return prior._replace(held=np.column_stack([none, rows, rows @ beta]))
 
 
 def shared_of(problem: Problem, solution: Solution) -> Shared:

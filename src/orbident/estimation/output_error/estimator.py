@@ -36,6 +36,7 @@ from orbident.estimation.output_error.beforehand import (
     first_momentum,
     prior_of,
     shared_of,
+    with_hidden_held,
     with_others,
 )
 from orbident.estimation.output_error.covariance_parts import covariance_parts
@@ -162,6 +163,8 @@ class OutputError:
         if self.others is not None:
             beta = self.others.beta
             prior = with_others(prior, self.others, equations.declared)
+        if not samples.v_S:
+            prior = with_hidden_held(prior, robot, sets)
         by_cad, steps = sets.beta(robot.theta), self.steps
         # Linear fits are poor where a velocity is noisier than the motion.
         by_fits = beta[0] > 0 and not np.array_equal(beta, by_cad)
