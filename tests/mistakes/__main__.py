@@ -19,6 +19,7 @@ def main() -> int:
         given.names,
         lambda words: print(words, file=sys.stderr),
         given.of,
+        given.usual_tolerances,
     )
     if given.out:
         given.out.write_text(markdown(rows), encoding="utf-8")

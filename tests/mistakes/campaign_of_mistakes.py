@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TypeVar
@@ -30,6 +31,11 @@ def arguments(description: str | None) -> argparse.Namespace:
         const=REAL_EFFECTS,
         default=MISTAKES,
         help="what real ones do, in MuJoCo",
+    )
+    parser.add_argument(
+        "--usual-tolerances",
+        action="store_true",
+        help="robot files with the usual tolerances, and not exact instruments",
     )
     return parser.parse_args()
 
@@ -68,6 +74,7 @@ def all_rows(
     names: Sequence[str] = (),
     progress: Callable[[str], object] = str,
     of: Sequence[Mistake] = MISTAKES,
+    usual: bool = False,
 ) -> list[Row]:
     """The rows of all mistakes, in the order of the table; see `in_processes`.
 
@@ -76,15 +83,16 @@ def all_rows(
         names: the mistakes' names, where not all.
         progress: is called with what is done.
         of: the mistakes of the table.
+        usual: whether robot files declare the usual tolerances.
     """
-    rows = []
-    for done, (robot, name), scores in in_processes(_scores, workers, names, of):
+    rows, function = [], partial(_scores, usual=usual)
+    for done, (robot, name), scores in in_processes(function, workers, names, of):
         rows.append(Row(robot, by_name(name), scores))
         progress(f"{done} {robot}: {name}")
     return rows
 
 
-def _scores(asked: Asked) -> dict:
+def _scores(asked: Asked, usual: bool) -> dict:
     """Without the mistake: its functions cannot be sent to another process."""
     robot, name = asked
-    return row(robot, by_name(name), causes=True).scores
+    return row(robot, by_name(name), causes=True, usual=usual).scores

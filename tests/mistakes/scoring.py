@@ -9,7 +9,7 @@ from mistake import Mistake
 from mistakes import names_cause
 from recordings import clean
 from remembered_fits import fits_remembered
-from spoiled import Spoiled
+from spoiled import Spoiled, tolerating
 
 import orbident as oi
 from orbident.estimation.identify import METHODS, Method
@@ -139,13 +139,16 @@ def row(
     mistake: Mistake,
     methods: tuple[Method, ...] = METHODS,
     causes: bool = False,
+    usual: bool = False,
 ) -> Row:
     """Make the mistake once, and let every method judge it.
 
     The cause is looked for by what the sensors show, so it is that of the first method
-    for all of them.
+    for all of them. With the `usual` tolerances these are in the robot's file.
     """
     spoiled = mistake.spoil(clean(robot))
+    if usual:
+        spoiled = tolerating(spoiled, {})
     with fits_remembered():
         first, *others = methods
         scores: dict[Method, Score] = {first: scored(spoiled, first, causes)}

@@ -86,6 +86,18 @@ def test_refusals_name_the_true_cause(rows: list[Row]):
     assert named >= NAMED * refused, markdown(rows)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    ["joint2 zero off 20 mrad", "joint2 scale 1 %", "gyro scale 1 %"],
+)
+def test_a_cause_is_named_beside_usual_tolerances(name: str):
+    """An error of twenty tolerances is found, and the residuals are as noise."""
+    mistake, method = by_name(name), "maximum-likelihood"
+    found = row(SPACE, mistake, (method,), causes=True, usual=True)
+    assert found.named(method), found
+
+
 TOLERABLE = [
     pytest.param(robot, mistake.name, id=f"{robot}, {mistake.name}")
     for mistake in MISTAKES

@@ -7,12 +7,17 @@ from functools import partial
 import numpy as np
 import pytest
 from clean import ByMethod, Runs, coverage, markdown, of_robot, of_robots, pooled
-from random_flights import flight, flights, flyers, recorded
+from random_flights import WHEEL_SPEED, Known, flight, flights, flyers, recorded
+from random_motions import random_motion
+from recordings import motion_of
 
 from orbident.estimation.identify import METHODS, Method, identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.simulate import sample_times
 
 REFUSED = 0.01
 """Of good recordings, at most this part is refused."""
@@ -69,6 +74,56 @@ def test_a_short_recording_shows_nothing_on_springs(
     assert "on_springs.yy" not in result.disturbances
     off = result.base.values - minimal_sets(robot).beta(robot.theta)
     assert np.abs(off / result.base.std).max() < 4
+
+
+def long_on_a_table(seed: int, duration: float) -> tuple[Robot, Known]:
+    """A random robot on which all acts that may, by CAD values that are 20 % off."""
+    clean = flight(f"table {seed}")
+    motion = random_motion(clean.robot, seed, duration, WHEEL_SPEED, "spun up")
+    first = motion.initial
+    start = BaseState(
+        first.angular_velocity,
+        first.attitude,
+        first.velocity,
+        first.wheel_speeds(clean.robot.wheel_names),
+    )
+    t = sample_times(duration, clean.robot.sensors.rows_per_second)
+    true = motion_of(clean.robot, motion, start, t)
+    longer = replace(clean, joints=motion, start=start, t=t, true=true)
+    known = recorded(longer, seed, acting=True)
+    off = np.random.default_rng(seed).uniform(0.8, 1.2, (len(clean.robot.bodies), 1))
+    cad = replace(known.robot, theta=off * known.robot.theta)
+    return clean.robot, known._replace(robot=cad)
+
+
+def errors_of(seed: int, duration: float) -> np.ndarray:
+    """Of its base parameters over their deviations; none of what is refused."""
+    true, known = long_on_a_table(seed, duration)
+    result = identify(known.robot, known.recording, initial_momentum="at-rest")
+    beta = minimal_sets(true).beta(true.theta)
+    return (result.base.values - beta) / result.base.std
+
+
+@pytest.mark.parametrize("seed", [slow(219), 427])
+def test_all_that_acts_on_a_table_for_long(seed: int):
+    """Of what changes slowly no more swings than half a minute has were followed, and
+    an uneven floor pulled at the CM by CAD: both had been refused."""
+    off = errors_of(seed, 40.0)
+    assert np.isfinite(off).all()
+    assert np.abs(off).max() < 4
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("duration", [20.0, 40.0])
+def test_hardly_any_table_is_refused_on_which_all_acts(duration: float):
+    off = [errors_of(seed, duration) for seed in range(601, 661, 2)]
+    accepted = [each for each in off if np.isfinite(each).any()]
+    each = np.abs(np.concatenate(accepted))
+    inside = np.mean(each[np.isfinite(each)] < 1.96)
+    print(f"{duration:g} s: {len(accepted)} of {len(off)}, {inside:.1%} inside")
+    assert len(accepted) >= len(off) - 1
+    assert np.nanmax(each) < 5
+    assert inside > 0.93
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """Torque columns written otherwise are named before any fit, and good ones are not."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -9,7 +10,9 @@ from random_flights import Known, flight, recorded
 from recordings import designed
 
 from orbident.diagnosis.torque_columns import plain_torques
+from orbident.estimation.identify import identify
 from orbident.estimation.momentum_problem import momentum_problem
+from orbident.robot.sensor_schema import declared_sensors
 
 ROBOTS = "space 4", "table 5", "free-flyer 1"
 
@@ -88,3 +91,35 @@ def test_where_torques_say_too_little():
     off = 1 + 0.5 * random.uniform(-1, 1, (len(known.robot.bodies), 1))
     robot = replace(known.robot, theta=off * known.robot.theta)
     assert said(known._replace(robot=robot), -noisy) == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("times", [0.5, 1.41])
+def test_a_scale_beyond_its_tolerance(times: float):
+    """As an amplifier's root mean square is of its peak; no unit is so far off."""
+    known, shown = flown("space 4")
+    names, random = known.robot.joint_names, np.random.default_rng(3)
+    size = shown.std(axis=0)
+    shown = times * shown + 0.02 * size * random.standard_normal(shown.shape)
+    said = known.robot.sensors.model_dump(by_alias=True, exclude_none=True)
+    sensors = declared_sensors(said | {"torques": {"std": float(0.06 * size.max())}})
+    free = dict.fromkeys(names, np.inf)
+    tolerances = replace(
+        known.robot.tolerances,
+        joint_torque_scale=dict.fromkeys(names, 0.01),
+        joint_viscous=free,
+        joint_coulomb=free,
+        joint_torque_offset=free,
+    )
+    robot = replace(known.robot, sensors=sensors, tolerances=tolerances)
+    columns = {
+        f"joint.{name}.torque": x for name, x in zip(names, shown.T, strict=True)
+    }
+    recording = known.recording.with_columns(columns)
+    result = identify(robot, recording).with_causes()
+    off = re.search(
+        r"the scale or the sign of the torque of joint \S+ is off by (\S+)",
+        result.refusal(),
+    )
+    assert off, result.refusal()
+    assert float(off[1]) == pytest.approx(times - 1, abs=0.03)

@@ -25,6 +25,7 @@ from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.problem import SENSORS
 from orbident.estimation.output_error.sensors import joints_with_torques, torque_column
 from orbident.estimation.unknowns import CalibrationFit
+from orbident.files.names import joined
 from orbident.preprocessing.wrenches import Wrenches, thrust_seen
 from orbident.robot.description import Robot
 
@@ -77,8 +78,13 @@ def every_score(solved: Solved, before: float, far: bool) -> Iterator[Scored]:
     driven = joints_with_torques(problem.robot, problem.recording)
     for kind in kinds(problem.robot, problem.samples.wrenches, driven):
         first = table.together(kind.names)
-        if first.values.size:
-            gain = first.fall - price * first.values.size
+        declared = [
+            each.beyond_tolerance
+            for name, each in shown.calibration.items()
+            if name in kind.names and np.isfinite(each.tolerance)
+        ]
+        if numbers := first.values.size + len(declared):
+            gain = first.fall + sum(declared) - price * numbers
             yield Scored(gain, f"{kind} is off", partial(freed, problem, kind))
     late = table.together([f"{name}.clock" for name in SHARED])
     if late.values.size and not far:
@@ -181,10 +187,9 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
         if name in kind.names
     }
     if errors and max(abs(x.value) for x in errors.values()) < FARTHEST * kind.std:
-        # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)
-        yield found._replace(cause=words, misfit=found.misfit + price, tolerable=True)
+        yield found.with_price(price)._replace(cause=words, tolerable=True)
 
 
 def kinds(
@@ -211,7 +216,7 @@ def kinds(
 
 
 def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
-    """The words of a kind, with its error that stands out most."""
+    """The words of a kind, with its error that stands out most, and whose else does."""
     name = max(errors, key=lambda name: abs(errors[name].value) / errors[name].std)
     named = name.split(".")
     axis = f" along {named[-1]}" if named[-1] in "xyz" else ""
@@ -221,4 +226,11 @@ def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
         owners = dict.fromkeys(each.split(".")[1] for each in errors)
         return f"{kind.words.format(' or '.join(owners))} is off"
     which = kind.words.format(named[1] if len(named) > 1 else "")
-    return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"
+    owners = {each.split(".")[1]: fit for each, fit in errors.items() if "." in each}
+    also = [
+        owner
+        for owner, fit in owners.items()
+        if owner not in named and abs(fit.value) > CLEAR * fit.std
+    ]
+    too = f", and so is that of {joined(also)}" if also and not kind.of_one else ""
+    return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}{too}"

@@ -149,10 +149,9 @@ def lasting_errors(problem: MomentumProblem, shown: Estimate | None) -> Iterator
         # Its size and its time are what the residuals gave.
         if errors.gain - 2 * one > WORTH:
             found = _trial(errors.words, problem, errors.sensors)
-            # As many unknowns explain so much by chance (Schwarz 1978).
-            price = errors.numbers * one
             if found.accepted:
-                yield found._replace(misfit=found.misfit + price, rival=UNMODELLED)
+                price = errors.numbers * one
+                yield found.with_price(price)._replace(rival=UNMODELLED)
 
 
 def _trial(

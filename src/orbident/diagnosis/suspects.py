@@ -170,7 +170,7 @@ def tried(
         found = trial(suspect.words(numbers), right)
         price = numbers.size * np.log(problem.samples.t.size)
         rival = max(found.rival, suspect.rival(numbers))
-        found = found._replace(misfit=found.misfit + price, rival=rival)
+        found = found.with_price(price)._replace(rival=rival)
         if not (found.accepted or found.misfit < best.misfit - WORTH):
             break
         best = found

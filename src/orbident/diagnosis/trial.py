@@ -78,7 +78,7 @@ class Trial(NamedTuple):
     cause: str
     accepted: bool
     misfit: float
-    """Minus twice the logarithm of the likelihood, but for a constant."""
+    """Minus twice the logarithm of the likelihood, and the price."""
     estimate: Estimate | None = None
     seen: bool = False
     """Whether samples show it by themselves: then no fall in the misfit is wanted."""
@@ -90,6 +90,12 @@ class Trial(NamedTuple):
     """What it would explain to first order, where that was worked out."""
     fits: bool = False
     """Whether it is accepted, or shows too little of the mass and nothing wrong."""
+    price: float = 0.0
+    """What as many unknowns explain by chance (Schwarz 1978)."""
+
+    def with_price(self, price: float) -> "Trial":
+        """The trial that has to explain so much more."""
+        return self._replace(misfit=self.misfit + price, price=price)
 
     @property
     def lost(self) -> bool:
@@ -178,19 +184,20 @@ def best_trial(trials: list[Trial], before: float) -> Trial | None:
         return best
     alike = [one for one in trials if one.misfit < best.misfit + WORTH]
     first = next(one for one in alike if one.accepted)
-    least = before - first.misfit
+    # However many unknowns explain it: that one is the simpler cause makes it no fact.
+    least = before - first.misfit + first.price
 
     def rivals(one: Trial) -> bool:
-        falls = before - one.misfit
+        falls = before - one.misfit + one.price
         nearly = falls > NEARLY * least
-        return bool(nearly if one.accepted else NEARLY * falls > least)
+        return bool(nearly if one.accepted or one.fits else NEARLY * falls > least)
 
     others = [one for one in trials if one is not first and rivals(one)]
     other = min(others, key=lambda one: one.misfit, default=None)
     if other is None:
         return first
     # What is accepted explains enough.
-    falls = max(before - other.misfit, least)
+    falls = max(before - other.misfit + other.price, least)
     return first._replace(rival=max(first.rival, Rival(falls, other.cause)))
 
 

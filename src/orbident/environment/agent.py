@@ -65,6 +65,9 @@ class Disturbance(NamedTuple):
     std: float = 1.0
     """The number's standard deviation beforehand, in its unit, where the agent is of
     size one."""
+    by_place: Float[np.ndarray, "3 3"] | None = None
+    """`E` of a pull `E (r_cm - r_cm(0))`, whose `effect` has the CM by CAD; None where
+    the CM's place makes no difference."""
 
 
 class Agent:

@@ -90,15 +90,15 @@ class UnevenPull(Pull):
         return np.pad(r[:, :2] @ A, ((0, 0), (0, 1)))
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
-        """Each entry of the symmetric matrix, with the CM by CAD."""
+        """Each entry of the symmetric matrix."""
         if motion.S is None or motion.robot.motion != "planar":
             return
         r = motion.S.r + motion.to_cm(motion.robot.theta)
-        r = r - r[0]
         for a, b in combinations_with_replacement(range(2), 2):
-            pull = np.zeros_like(r)
-            pull[:, a], pull[:, b] = r[:, b], r[:, a]
-            yield self.pulling(motion, AXES[a] + AXES[b], pull)
+            E = np.zeros((3, 3))
+            E[a, b] = E[b, a] = 1.0
+            pulled = self.pulling(motion, AXES[a] + AXES[b], (r - r[0]) @ E)
+            yield pulled._replace(by_place=E)
 
 
 class Hose(Agent):

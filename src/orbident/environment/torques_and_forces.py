@@ -64,11 +64,12 @@ from orbident.recordings.derivatives import HALF, derivatives
 WAVES = 24
 """So a walk's deviation is wrong by a fifth of a percent."""
 
-TIMES = 64
+TIMES = 128
 """Times at which the covariance of what swings slowly is decomposed."""
 
-SWINGS = 12.0
-"""Times that it is correlated in a recording, at most: some 24 shapes."""
+SWINGS = 36.0
+"""Times that it is correlated in a recording, at most, along all axes together: some 72
+shapes."""
 
 SMALL = 3e-3
 """Shapes that are smaller than this part of the largest are left out: they move the
@@ -320,7 +321,8 @@ def slow_shapes(motion: RobotMotion, group: str) -> Float[np.ndarray, "nodes sha
     shortest = allowed.shortest if allowed else None
     shortest = shortest or SHORTEST[world_of(motion.robot)]
     start, end = motion.t[0], motion.t[-1]
-    lasts = max(shortest / np.pi, (end - start) / SWINGS)
+    each = SWINGS / len(conserved_axes(motion.robot)[0])
+    lasts = max(shortest / np.pi, (end - start) / each)
     times = np.linspace(start, end, TIMES)
     K = _covariance(times, times, lasts)
     values, V = np.linalg.eigh(K)

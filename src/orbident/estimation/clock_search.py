@@ -238,10 +238,18 @@ def far_clock(problem: MomentumProblem) -> Delay:
 def misfit(shown: Estimate) -> float:
     """Minus twice the logarithm of the likelihood, each sensor's noise at its best.
 
+    What instruments are off counts over their tolerances: else a fit in which one is
+    off by thirty of them would explain a recording as well as its cause does.
+
     No robot has a mass below zero. Such a fit counts, to first order, as the nearest
     one that a robot may have: that whose inverse of the mass is zero.
     """
     left = (each.measured - each.predicted for each in shown.signals)
     fitted = sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
+    fitted += sum(
+        (each.value / each.tolerance) ** 2
+        for each in shown.calibration.values()
+        if np.isfinite(each.tolerance)
+    )
     M = shown.mass
     return fitted + (M.value / M.std) ** 2 if M.value < 0 else fitted

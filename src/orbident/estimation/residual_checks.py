@@ -9,9 +9,11 @@ from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit, low_frequencies
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
-from orbident.estimation.output_error.disturbance_sizes import TOLD
 from orbident.estimation.signals import SIGNAL_UNITS, Signal
 from orbident.estimation.unknowns import SPRING
+
+TOLERANCES = "tolerances"
+"""The name of the check whether instruments are within theirs."""
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
@@ -49,8 +51,12 @@ def residual_checks(problem: MomentumProblem, estimate: Estimate) -> Iterator[Ch
 
 
 def leaves_nothing(problem: MomentumProblem, estimate: Estimate) -> bool:
-    """Whether residuals leave nothing to explain."""
-    return worst(residual_checks(problem, estimate)) != "do not trust"
+    """Whether residuals leave nothing to explain.
+
+    That a number is beyond its tolerance says by itself what is wrong.
+    """
+    checks = residual_checks(problem, estimate)
+    return worst(x for x in checks if x.name != TOLERANCES) != "do not trust"
 
 
 def _noise(estimate: Estimate) -> Iterator[Check]:
@@ -161,11 +167,7 @@ def _instruments(estimate: Estimate) -> Iterator[Check]:
 
 
 def _tolerances(estimate: Estimate) -> Iterator[Check]:
-    """Whether an instrument is off by more than it may be.
-
-    What is found of an error varies, beforehand, by its tolerance less what is still
-    unknown of it.
-    """
+    """Whether an instrument is off by more than it may be."""
     found = {
         name: fit
         for name, fit in estimate.calibration.items()
@@ -174,21 +176,17 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
     if not found or not estimate.converged:
         return
     most = limit("instrument", 1, len(found))
-    squares = {
-        name: (fit.value / fit.tolerance) ** 2
-        / max(1 - (fit.std / fit.tolerance) ** 2, TOLD)
-        for name, fit in found.items()
-    }
+    squares = {name: fit.beyond_tolerance for name, fit in found.items()}
     name = max(squares, key=lambda name: squares[name])
     square, fit = squares[name], found[name]
     unit = "of its logarithm" if name.endswith(SPRING) else "SI"
     name = name.replace(".", " ")
     if not square > most:
         reason = "no instrument is off by more than its tolerance says"
-        yield Check("tolerances", "trust", reason, "", square, most)
+        yield Check(TOLERANCES, "trust", reason, "", square, most)
         return
     yield Check(
-        "tolerances",
+        TOLERANCES,
         "do not trust",
         f"{name} would be off by {fit.value:.2g} +- {fit.std:.1g} ({unit}), and "
         f"{fit.tolerance:.2g} is its tolerance: it, or something that looks like it, "

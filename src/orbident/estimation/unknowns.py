@@ -12,6 +12,10 @@ from jaxtyping import Float
 
 from orbident.files.json_parts import FiniteNumber, NullableNumber
 
+TOLD = 0.1
+"""A recording says how large a number is if it tells this part of the variance that was
+known beforehand, at least. Where it tells less, errors of second order decide too."""
+
 
 class CalibrationFit(NamedTuple):
     """A calibration error; SI or relative."""
@@ -21,6 +25,16 @@ class CalibrationFit(NamedTuple):
     tolerance: NullableNumber
     """The standard deviation beforehand, as the robot file declares it; NaN of a gain
     that is further off than that, and so was free."""
+
+    @property
+    def beyond_tolerance(self) -> float:
+        """By how much chi-square would fall without the tolerance.
+
+        What is found of an error varies, beforehand, by its tolerance less what is
+        still unknown of it.
+        """
+        told = 1 - (self.std / self.tolerance) ** 2
+        return (self.value / self.tolerance) ** 2 / max(told, TOLD)
 
 
 SPRING = ("frequency", "damping")

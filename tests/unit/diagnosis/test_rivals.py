@@ -79,6 +79,17 @@ def test_one_that_explains_much_less_or_not_all_is_no_rival(accepted, misfit):
     assert best.rival == NONE
 
 
+def test_a_simpler_cause_is_no_fact_beside_one_of_more_unknowns():
+    """Both explain a recording, and one is not worth its six numbers."""
+    simple = Trial("a wheel's inertia is off", True, 950.0 - WORTH).with_price(20.0)
+    more = Trial("axes of wheels are tilted", False, 930.0 - WORTH, fits=True)
+    best = best_trial([simple, more.with_price(60.0)], BEFORE)
+    assert best is not None
+    words = _explained(best, BEFORE).words
+    assert words.startswith("perhaps a wheel's inertia is off")
+    assert "or perhaps axes of wheels are tilted" in words
+
+
 @pytest.mark.parametrize(
     ("accepted", "tried"),
     [(True, ["100", "60"]), (False, ["100", "60", "40"])],

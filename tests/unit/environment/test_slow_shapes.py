@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from small_problems import at_rest, small_robot, small_robot_in_space
 
-from orbident.environment.torques_and_forces import SWINGS, slow_shapes
+from orbident.environment.torques_and_forces import SWINGS, TIMES, slow_shapes
 from orbident.environment.worlds import SHORTEST
 from orbident.robot.may_act import MayAct
 
@@ -31,7 +31,7 @@ def test_their_covariance_is_that_stated(shortest: float):
 
 def test_they_are_independent():
     """Orthogonal over the recording, the largest first; none is larger than all."""
-    t = np.linspace(0.0, 20.0, 64)
+    t = np.linspace(0.0, 20.0, TIMES)
     shapes = shapes_of(t, 6.0)
     products = shapes.T @ shapes
     sizes = np.diag(products)

@@ -150,6 +150,13 @@ class Followed:
             )
         return np.asarray(CubicSpline(t[known], x[known])(self.t))
 
+    def place(
+        self, r: Float[np.ndarray, "steps 3 3"]
+    ) -> Float[np.ndarray, "steps 3 3"]:
+        """Where the CM is beside where it was at first, of that from S; inertial, m."""
+        at = r if self.motion.S is None else by_step(self.motion.S.r) + r
+        return at - at[0, 0]
+
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
         """The first moment about S by each `beta`; inertial axes, kg m by its unit."""
@@ -270,12 +277,16 @@ class Acting:
             torque = by_step(GravityGradient().moment(motion, theta))
             total = total._replace(torque=total.torque + torque)
         acting = self.followed.disturbances if sizes.keys() - every.keys() else ()
+        place, uneven = self.followed.place(r), np.zeros((3, 3))
         pushing = [k for k in sizes if k in every]
         for k, each in enumerate(acting, SHARED + len(self.recorded)):
             every[k] = each.effect
-            if k in sizes and each.effect.force.any():
+            if k in sizes and each.by_place is not None:
+                every[k] = motion.nothing._replace(pull=place @ each.by_place)
+                uneven += sizes[k] * each.by_place
+            if k in sizes and (each.by_place is not None or each.effect.force.any()):
                 pushing.append(k)
-                total = total.plus(sizes[k], each.effect)
+                total = total.plus(sizes[k], every[k])
         still = {k: every[k] for k in sizes if k not in pushing}
         table = self._without_force(still, sizes)
         table[..., 0] = 0.0
@@ -284,9 +295,10 @@ class Acting:
             own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
             table[..., 0] += own[..., 0]
             table[..., [1 + [*sizes].index(k) for k in pushing]] = own[..., 1:]
-        if not total.force.any():
+        if not (total.force.any() or uneven.any()):
             return table
-        return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
+        by_beta = self._by_beta(total, uneven, r, beta[0])
+        return np.concatenate([table, by_beta], axis=2)
 
     def _thrust(self, sizes: Mapping[int, float]) -> tuple[dict[int, Effect], Effect]:
         """What is recorded to act: by each of its errors, and all of it together."""
@@ -371,9 +383,16 @@ class Acting:
         return table
 
     def _by_beta(
-        self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float
+        self,
+        effect: Effect,
+        uneven: Float[np.ndarray, "3 3"],
+        r: Float[np.ndarray, "steps 3 3"],
+        M: float,
     ) -> Float[np.ndarray, "nodes 15 beta"]:
-        """The slopes by `beta`: of lever arms, and of how a force moves the mass."""
+        """The slopes by `beta`: of lever arms, and of how a force moves the mass.
+
+        A pull that is `uneven` changes with the CM's place.
+        """
         t = self.followed.t
         by_r = by_step(self.followed.moments) / M
         by_r[..., 0] -= r / M
@@ -384,4 +403,8 @@ class Acting:
         v = integral(t, felt)
         slopes[:, 6:9, 0], slopes[:, 9:12, 0] = integral(t, by_step(v)), v
         slopes[:, 12:15, 0] = at_nodes(felt)
+        if uneven.any():
+            v = integral(t, uneven @ (by_r - by_r[0, 0]))
+            slopes[:, 6:9] += integral(t, by_step(v))
+            slopes[:, 9:12] += v
         return slopes

@@ -34,7 +34,7 @@ from orbident.estimation.output_error.walking_rates import (
     walking_so,
 )
 from orbident.estimation.solution import NO_EQUATIONS, OUTSIDE, Solution, Unknowns
-from orbident.estimation.unknowns import DisturbanceFit, Unknown
+from orbident.estimation.unknowns import TOLD, DisturbanceFit, Unknown
 
 ROUNDS = 6
 """Times that densities are estimated, from equations at better and better states."""
@@ -230,11 +230,6 @@ def _places(problem: Problem, state: Unknowns, *families: str) -> Int[np.ndarray
     """Where they are among those selected."""
     places = [each.place for each in selected_of(problem, state, *families)]
     return np.flatnonzero(np.isin(state.selected, places))
-
-
-TOLD = 0.1
-"""A recording says how large a number is if it tells this part of the variance that was
-known beforehand, at least. Where it tells less, errors of second order decide too."""
 
 
 def most_likely_densities(
