@@ -99,7 +99,7 @@ def no_velocity(problem: MomentumProblem, level: Level = "do not trust") -> list
         ".z of the feature point (nor position.x .y .z)"
     )
     remedy = "record one of them"
-    if level == "do not trust":
+    if level == "do not trust" and not problem.samples.wrenches:
         remedy += ", or identify pi alone by maximum-likelihood"
     return [Check("velocity of S", level, reason, remedy)]
 

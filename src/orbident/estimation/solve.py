@@ -115,11 +115,18 @@ def _begun(
 
 
 def _obstacles(problem: MomentumProblem, estimator: Estimator) -> list[Check]:
-    """Only maximum likelihood takes torques of joints, or can go without positions."""
-    if isinstance(estimator, OutputError):
-        driven = joints_with_torques(problem.robot, problem.recording)
-        return obstacles(problem, bool(driven))
-    return [*obstacles(problem), *no_velocity(problem)]
+    """Only maximum likelihood takes torques of joints, or can go without positions.
+
+    Without these nothing shows where the CM is, beside which a force turns the robot.
+    """
+    if not isinstance(estimator, OutputError):
+        return [*obstacles(problem), *no_velocity(problem)]
+    driven = joints_with_torques(problem.robot, problem.recording)
+    forced = any(each.force.any() for each in problem.samples.wrenches)
+    return [
+        *obstacles(problem, bool(driven)),
+        *(no_velocity(problem) if forced else ()),
+    ]
 
 
 def solved_by(

@@ -121,6 +121,15 @@ def test_by_other_methods(robot, flight, method):
     assert result.mass.std < 0.02 * robot.mass
 
 
+def test_beside_thrust_positions_are_needed(robot, flight):
+    """A force turns the robot about the CM, and momentum alone does not show it."""
+    seen = recorded(robot, flight, 0)
+    columns = {k: x for k, x in seen.columns.items() if not k.startswith("position")}
+    result = identify(robot, replace(seen, columns=columns))
+    assert result.status == "rejected"
+    assert result.refusal().endswith("(nor position.x .y .z); record one of them")
+
+
 def test_the_recursion_needs_a_wheel(robot, flight):
     with pytest.raises(InputError, match="has no wheel, and recursive cannot find"):
         identify(robot, recorded(robot, flight, 0), "recursive")
