@@ -123,11 +123,14 @@ def test_other_methods_need_positions(orbident: Orbident, flight: Recording):
     assert "identify pi alone by maximum-likelihood" in ran.err
 
 
-def test_validate_refuses_what_is_not_determined(orbident: Orbident, flight: Recording):
+def test_pi_alone_predicts_how_the_base_turns(orbident: Orbident, flight: Recording):
     written(flight, "r.csv", drop=["velocity", "position"])
     orbident("identify", "paper-spatial", "r.csv", "-o", "run", "--quiet")
     written(flight, "s.csv")
-    orbident("validate", "run", "s.csv").refused("is pi alone", "record position")
+    said = orbident("validate", "run", "s.csv").done().out
+    assert "\ngyro      error" in said
+    assert "velocity  is not scored" in said
+    orbident("export", "run", "-o", "x.urdf").refused("is pi alone", "record position")
 
 
 def test_the_reason_is_said_even_when_quiet(orbident: Orbident, flight: Recording):

@@ -23,7 +23,7 @@ from jaxtyping import Bool, Float
 from scipy.linalg import null_space
 
 from orbident.errors import InputError
-from orbident.estimation.base_parameters import prior_std
+from orbident.estimation.base_parameters import exact_std, prior_std
 from orbident.estimation.levels import ChiSquare
 from orbident.estimation.result import Result
 from orbident.files.names import listed
@@ -180,8 +180,10 @@ def change_of_pi(before: Result, after: Result) -> ChiSquare:
     n, known = d.size, np.isfinite(d)
     C = (before.covariance + after.covariance)[:n, :n][np.ix_(known, known)]
     sets = minimal_sets(after.robot)
-    of_pi, _ = sets.derivatives(sets.beta(after.robot.theta))
-    free = np.linalg.matrix_rank(of_pi[known] * prior_std(after.robot, sets), ZERO)
+    of_pi = sets.derivatives(sets.beta(after.robot.theta))[0][known]
+    free = np.linalg.matrix_rank(of_pi * prior_std(after.robot, sets), ZERO)
+    exact = of_pi * exact_std(after.robot, sets)
+    C += exact @ exact.T
     std = np.sqrt(np.diag(C))
     values, vectors = np.linalg.eigh(C / np.outer(std, std))
     z = vectors.T[-free:] @ (d[known] / std) / np.sqrt(values[-free:])

@@ -92,13 +92,13 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     The first attitude is taken from the recording, and so are the constants of the
     motion, momentum and CM velocity, as means over all samples: they belong to the
-    manoeuvre, not to the robot. Everything else is predicted.
+    manoeuvre, not to the robot. Everything else is predicted: by `pi` alone, turns.
 
     Raises:
         InputError: the result has undetermined parameters, or the recording lacks what
             prediction needs, or has thrust.
     """
-    result.check_model()
+    result.check_accepted()
     _check_complete(result)
     robot, sets = result.robot, minimal_sets(result.robot)
     if any(recorded_thrust(robot, recording)):
@@ -205,7 +205,10 @@ def _check_sizes(result: Result, sets: MinimalSets) -> None:
 
 
 def _check_complete(result: Result) -> None:
-    for name, estimates in (("pi", result.pi), ("phi", result.phi)):
+    known = {"pi": result.pi} | (
+        {} if result.of_momentum_alone else {"phi": result.phi}
+    )
+    for name, estimates in known.items():
         missing = np.flatnonzero(~np.isfinite(estimates.values))
         unknown = [estimates.names[k] for k in missing]
         if unknown:
@@ -229,9 +232,7 @@ def prediction_deviations(
 ) -> PredictionDeviations:
     """The standard deviations of what was predicted; NaN without a covariance."""
     robot, sets = result.robot, minimal_sets(result.robot)
-    root = root_of(result.base_covariance)
-    dpi, dphi = sets.derivatives(result.base.values)
-    changes = partial(_momentum_and_velocity, sets.regressors, dpi @ root, dphi @ root)
+    changes = partial(_momentum_and_velocity, sets.regressors, *_changed(result, sets))
     seen = prediction.measured
     R = quaternion_matrix(seen.x_WB)
     dh, dv = changes(seen.q, seen.qd, seen.w)
@@ -255,6 +256,19 @@ def prediction_deviations(
     off = at.V @ dw + dv - cross_matrix(v) @ f
     dv = R @ off + dv_cm
     return PredictionDeviations(np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2))
+
+
+def _changed(
+    result: Result, sets: MinimalSets
+) -> tuple[Float[np.ndarray, "pi n"], Float[np.ndarray, "phi n"]]:
+    """Roots of the covariances of `pi` and `phi`, by the same errors; NaN without."""
+    if result.of_momentum_alone:
+        n = result.pi.values.size
+        root = root_of(result.covariance[:n, :n])
+        return root, np.full((sets.base.sigmas, n), np.nan)
+    root = root_of(result.base_covariance)
+    dpi, dphi = sets.derivatives(result.base.values)
+    return dpi @ root, dphi @ root
 
 
 def _turns(

@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import exact_std
 from orbident.estimation.identify import identify
-from orbident.estimation.levels import chi_square
+from orbident.estimation.levels import ChiSquare, chi_square
 from orbident.estimation.output_error.sensors import (
     TORQUES,
     joints_with_torques,
@@ -29,6 +29,7 @@ from orbident.estimation.output_error.sensors import (
 from orbident.estimation.result import Result
 from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE, rms_of
+from orbident.identified.difference import change_of_pi
 from orbident.identified.prediction import (
     WINDOW,
     PoseErrors,
@@ -52,7 +53,7 @@ MISSED = 0.1
 """Share of the squared signal: even where a recording tells too little to judge by, a
 larger squared error is no noise."""
 
-UNSCORED = "it was not measured, or thrust acts and no pose was measured"
+UNSCORED = "it was not measured, or pi alone or thrust leaves it open"
 """Why a signal has no error."""
 
 SCORED = ("gyro", "velocity")
@@ -177,7 +178,8 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
         reason = f"of itself the recording is refused: {own.refusal()}"
         return replace(scores, verdict=verdict, reason=reason)
     scores = _compared(result, own, scores)
-    complete = np.isfinite([*own.pi.values, *own.phi.values]).all()
+    phi = () if own.of_momentum_alone else own.phi.values
+    complete = np.isfinite([*own.pi.values, *phi]).all()
     if thrust or not complete:
         return scores
     return replace(scores, noise=scored(own, recording).rms)
@@ -205,27 +207,32 @@ def _of_poses(result: Result, recording: Recording) -> Validation:
 
 
 def _compared(result: Result, own: Result, scores: Validation) -> Validation:
-    """Compare the base parameters that both determine."""
+    """Compare the base parameters that both determine, or `pi` where that is all."""
+    if result.of_momentum_alone or own.of_momentum_alone:
+        return _judged(change_of_pi(result, own), "", scores)
     both = np.isfinite(result.base.values) & np.isfinite(own.base.values)
     exact = exact_std(result.robot, minimal_sets(result.robot))[both]
     C = (result.base_covariance + own.base_covariance)[np.ix_(both, both)]
     d = (own.base.values - result.base.values)[both]
     C += np.diag(exact**2)
-    apart = chi_square(d, C)
-    if not apart.is_no_chance("validation"):
-        reason = (
-            "the parameters agree with those that this recording alone would give, "
-            "within the standard deviations of both"
-        )
-        verdict = "explained"
-    else:
-        sigmas = np.abs(d) / np.sqrt(np.diag(C))
-        worst = int(np.argmax(sigmas))
-        name = np.array(result.base.names)[both][worst]
+    sigmas = np.abs(d) / np.sqrt(np.diag(C))
+    worst = int(np.argmax(sigmas))
+    name = np.array(result.base.names)[both][worst]
+    words = f": {name} by {sigmas[worst]:.2g} combined standard deviations"
+    return _judged(chi_square(d, C), words, scores)
+
+
+def _judged(apart: ChiSquare, worst: str, scores: Validation) -> Validation:
+    """Whether chance explains how far the parameters are apart."""
+    reason = (
+        "the parameters agree with those that this recording alone would give, "
+        "within the standard deviations of both"
+    )
+    verdict = "explained"
+    if apart.is_no_chance("validation"):
         reason = (
             "the parameters differ from those that this recording alone would give by "
-            f"more than chance: {name} by {sigmas[worst]:.2g} combined "
-            "standard deviations; the robot may have changed, or one of the two "
+            f"more than chance{worst}; the robot may have changed, or one of the two "
             "recordings or its deviations are wrong"
         )
         verdict = "not explained"
@@ -251,7 +258,10 @@ def scored(result: Result, recording: Recording) -> Validation:
         "velocity": velocity[:, measured.moving][..., axes_v],
     }
     rms = {name: rms_of(error) for name, (_, error, _) in signals.items()}
-    size = {name: rms_of(x - x.mean(axis=0)) for name, (x, _, _) in signals.items()}
+    size = {
+        name: rms_of(x - x.mean(axis=0)) if len(x) else np.nan
+        for name, (x, _, _) in signals.items()
+    }
     own, by_nominal = dict[str, NullableNumber](), dict[str, NullableNumber]()
     recording = recording.with_joints_of(result.robot)
     if joints_with_torques(result.robot, recording):
