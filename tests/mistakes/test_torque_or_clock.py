@@ -1,14 +1,18 @@
 """A steady torque looks like a late clock to Eq. 24: the sensors tell them apart."""
 
+import re
+
 import pytest
 from mistakes import by_name
+from random_flights import flight, recorded
 from recordings import TABLE, clean
+from scipy.interpolate import CubicSpline
 from scoring import scored
 from spoiled import Spoiled, spoiled
 from wrong_motions import torque
 
 from orbident.estimation.clock_search import evidence
-from orbident.estimation.identify import Method, estimator_of
+from orbident.estimation.identify import Method, estimator_of, identify
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.preprocessing.delays import Delay
 from orbident.recordings.recording import Recording
@@ -61,3 +65,21 @@ def test_a_torque_for_ten_seconds_is_found(size: str):
     mistake = by_name(f"torque {size} N m over 10 s")
     found = scored(mistake.spoil(clean(TABLE)), "maximum-likelihood", causes=False)
     assert found.outcome == "right"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["table 5", "table 9"])
+def test_a_late_attitude_without_a_gyro(name: str):
+    """The other clocks are beside that of the attitude then, wherever it is tried."""
+    clean, known = flight(name), recorded(flight(name), 0)
+    t, late = known.recording.t, 0.06
+    columns = {
+        key: CubicSpline(t, x)(t - late) if key.startswith("attitude") else x
+        for key, x in known.recording.columns.items()
+    }
+    recording = Recording(t, columns, "late")
+    result = identify(clean.robot, recording, initial_momentum="at-rest")
+    words = result.with_causes().refusal()
+    said = re.match(r"the clock of the attitude is (\S+) ms late", words)
+    assert said, words
+    assert float(said[1]) == pytest.approx(60.0, abs=5.0)

@@ -130,6 +130,32 @@ def test_beside_positions_it_counts():
     np.testing.assert_allclose(again.base.values, one.base.values, rtol=1e-6)
 
 
+@pytest.mark.slow
+def test_another_robot_beside_positions_is_told():
+    whole, loaded = flown(2, (0, 1, 2)), flown(2, (0, 1, 2), loaded=2.0)
+    columns = loaded.recording.columns.items()
+    blind = {k: x for k, x in columns if not k.startswith("position")}
+    both = [whole.recording, replace(loaded.recording, columns=blind)]
+    result = identify(whole.cad, both)
+    assert result.status == "rejected"
+    assert "do not show the same robot" in result.refusal()
+
+
+@pytest.mark.slow
+def test_wheels_that_stand_tell_no_size():
+    """Noise of their encoders had made `pi` a millionth of what it is, with care."""
+    flight = flown(1, (0, 1))
+    still = {
+        key: 2.5e-5 * np.random.default_rng(k).standard_normal(x.size)
+        for k, (key, x) in enumerate(flight.recording.columns.items())
+        if key.startswith("wheel")
+    }
+    columns = {**flight.recording.columns, **still}
+    standing = replace(flight.recording, columns=columns)
+    result = flight._replace(recording=standing).identified()
+    assert result.refusal().startswith("pi has no scale")
+
+
 @pytest.mark.long
 def test_intervals_of_pi():
     """Of sixty random robots, in 95 of 100 as far as they are independent."""

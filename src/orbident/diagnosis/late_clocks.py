@@ -94,9 +94,11 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
             if name in free
         }
         late |= {name: late[name] + error.value for name, error in errors.items()}
+        # Without a gyro the others' clocks are beside that of the attitude.
+        beside = 0.0 if "attitude" in errors else late["attitude"]
         words = _in_words(
             {
-                name: (late[name] + corrected.get(name, 0.0), error.std)
+                name: (late[name] - beside + corrected.get(name, 0.0), error.std)
                 for name, error in errors.items()
             }
         )

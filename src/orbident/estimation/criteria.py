@@ -20,6 +20,7 @@ from orbident.estimation.parameter_checks import (
     mass_checks,
     positive_energy,
     possible_numbers,
+    size_of_pi,
 )
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import changes_in_words
@@ -81,7 +82,11 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *unsettled_weights(shown or estimate),
             *residual_checks(problem, shown or estimate),
             *_agreement(solved),
-            *(mass_checks(problem, estimate, shown or estimate) if tracked else ()),
+            *(
+                mass_checks(problem, estimate, shown or estimate)
+                if tracked
+                else size_of_pi(estimate)
+            ),
             *positive_energy(problem, found.base, (shown or estimate).drives),
             *_changes(estimate),
             *_disturbances(estimate, problem),

@@ -59,6 +59,9 @@ EXPLAINED = 0.9
 """What the parameters must explain of it, squared: noise is explained hardly at all,
 and signals in wrong units or frames in part."""
 
+STANDS = 1e-3
+"""rad/s: a wheel that is slower stands, and its encoder shows noise."""
+
 VARIES = 1e-2
 """Below this part of the wheels' momentum it may be noise of their speeds."""
 
@@ -123,7 +126,8 @@ class MomentumProblem:
         # decides.
         chance = chdtri(pi.values.size, RARE) * self._speed_noise**2
         unexplained = pi.explained**2 <= max(EXPLAINED * known**2, chance)
-        steady = known <= STEADY * h_rw
+        turning = (np.nanmean(np.square(x)) for x in self.samples.qd_rw if x.size)
+        steady = known <= STEADY * h_rw or max(turning, default=0.0) < STANDS**2
         return not (steady or (known <= VARIES * h_rw and unexplained))
 
     @property
@@ -134,9 +138,7 @@ class MomentumProblem:
         """
         dt = float(np.diff(self.samples.t).mean())
         std = [x.white or x.density / np.sqrt(dt) for x in self.samples.speeds]
-        return float(
-            np.linalg.norm(wheels_of(self.robot).A_rw * np.array(std or 0.0), 2)
-        )
+        return float(np.linalg.norm(wheels_of(self.robot).A_rw * (std or [0.0]), 2))
 
     @cached_property
     def linear_mass(self) -> Mass:

@@ -305,6 +305,18 @@ def mass_checks(
         )
 
 
+def size_of_pi(estimate: Estimate) -> Iterator[Check]:
+    """Whether momentum alone says how large `pi` is: nothing else does then."""
+    pi = estimate.parameters.pi
+    values, C = pi.values[pi.determined], pi.covariance[pi.determined][:, pi.determined]
+    size = float(np.linalg.norm(values))
+    std = float(np.sqrt(max(values @ C @ values, 0.0)))
+    if not std < VAGUE * size**2:
+        reason = f"pi: how large all of it is, is known to {std / size**2:.0%} only"
+        remedy = f"record a richer or longer motion, {IN_WHEELS}"
+        yield Check("size of pi", "do not trust", reason, remedy, std / size**2, VAGUE)
+
+
 def long_enough(problem: MomentumProblem, M: float, std: float) -> str:
     """How long a motion like it has to be: deviations fall with the root of time."""
     vague = std / (VAGUE * abs(M)) if M else np.inf

@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.base_parameters import exact_std
+from orbident.estimation.base_parameters import RANK, Known, exact_std, prior_std
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.levels import ChiSquare, chi_square, limit
@@ -25,7 +25,9 @@ from orbident.estimation.result import OWN, Result
 from orbident.estimation.signals import Residual, Signals
 from orbident.estimation.solution import Shared, together
 from orbident.files.names import listed
+from orbident.model.minimal_sets import MinimalSets
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 
 
 def check_different(recordings: Sequence[Recording]) -> None:
@@ -63,14 +65,10 @@ def agreement(solved: Sequence[Solved], labels: Sequence[str]) -> Check:
     is chi-square distributed where they do (Cochran 1954).
     """
     name = "agreement of recordings"
-    # What is plainly wrong, or has no scale, is refused by itself; beside recordings
-    # with positions those without show no base parameters.
-    tracked = [bool(x.problem.samples.v_S) for x in solved]
+    # What is plainly wrong, or has no scale, is refused by itself.
     told = [
-        not x.hindered
-        and np.isfinite(x.estimate.parameters.base.covariance).all()
-        and shows == any(tracked)
-        for x, shows in zip(solved, tracked, strict=True)
+        not x.hindered and np.isfinite(x.estimate.parameters.base.covariance).all()
+        for x in solved
     ]
     labels = [*compress(labels, told)]
     solved = [*compress(solved, told)]
@@ -105,9 +103,21 @@ def _differ(solved: Sequence[Solved]) -> ChiSquare:
     """`Q`; what interpolation may do to exact recordings is no difference.
 
     Each recording is compared with the weighted mean of those before it, which adds up
-    to the same.
+    to the same. Beside recordings with positions those without show `pi` alone.
     """
     problem = solved[0].problem
+    tracked = [bool(each.problem.samples.v_S) for each in solved]
+    if any(tracked) and not all(tracked):
+        whole = [*compress(solved, tracked)]
+        pis = [each.estimate.parameters.pi for each in solved]
+        first = pis[tracked.index(True)]
+        found = [
+            difference_in_pi(problem.robot, problem.sets, first, pi)
+            for pi, shows in zip(pis, tracked, strict=True)
+            if not shows
+        ]
+        found += [_differ(whole)] if len(whole) > 1 else []
+        return ChiSquare(sum(x.value for x in found), sum(x.dof for x in found))
     exact = np.diag(exact_std(problem.robot, problem.sets) ** 2)
     bases = [each.estimate.parameters.base for each in solved]
     # Parameters have units: unit deviations while inverting.
@@ -122,6 +132,26 @@ def _differ(solved: Sequence[Solved]) -> ChiSquare:
         K = np.linalg.solve(P + C, P).T
         mean, P = mean + K @ (values - mean), K @ C
     return ChiSquare(Q, dof)
+
+
+def difference_in_pi(
+    robot: Robot, sets: MinimalSets, one: Known, other: Known
+) -> ChiSquare:
+    """Chi-square of the difference of two `pi`, as far as both are determined.
+
+    There are more of `pi` than numbers that they depend on: of their covariance's
+    eigenvalues no more than these count.
+    """
+    known = one.determined & other.determined
+    of_pi = sets.derivatives(sets.beta(robot.theta))[0][known]
+    free = np.linalg.matrix_rank(of_pi * prior_std(robot, sets), rtol=RANK)
+    exact = of_pi * exact_std(robot, sets)
+    C = (one.covariance + other.covariance)[np.ix_(known, known)] + exact @ exact.T
+    std = np.sqrt(np.diag(C))
+    values, vectors = np.linalg.eigh(C / np.outer(std, std))
+    d = (other.values - one.values)[known] / std
+    z = vectors.T[-free:] @ d / np.sqrt(values[-free:])
+    return ChiSquare(float(z @ z), int(free))
 
 
 def solved_together(

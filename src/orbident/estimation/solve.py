@@ -15,7 +15,7 @@ from orbident.estimation.momentum_problem import (
     momentum_problem,
     whole,
 )
-from orbident.estimation.obstacles import no_velocity, obstacles
+from orbident.estimation.obstacles import no_velocity, obstacles, surprise
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.recursive.history import Recursive
@@ -50,10 +50,7 @@ def solve(
     _check_outside(problem, estimator)
     problem = _with_what_is_left_out(problem, estimator)
     # What needs no fit of all comes first.
-    hindered = [
-        *_plainly("plain_mistake", problem, shown),
-        *_obstacles(problem, estimator),
-    ]
+    hindered = _seen_at_once(problem, estimator, shown)
     if not hindered and isinstance(estimator, Recursive) and in_whole(problem):
         estimator = replace(estimator, changes=changes_of(problem))
         parted = _in_parts(problem, estimator, later)
@@ -69,6 +66,20 @@ def solve(
         estimate = LeastSquares().estimate(problem, later)
         return Solved(problem, hindered, estimate, None)
     return solved_by(estimator, problem, shown, later)
+
+
+def _seen_at_once(
+    problem: MomentumProblem, estimator: Estimator, shown: Estimate | None
+) -> list[Check]:
+    """Plain mistakes, and what forbids a result.
+
+    Momentum alone looks like many mistakes where it has no scale, or another one at
+    first.
+    """
+    hindered = _obstacles(problem, estimator)
+    if not problem.samples.v_S and [*hindered, *surprise(problem)]:
+        return hindered
+    return [*_plainly("plain_mistake", problem, shown), *hindered]
 
 
 def _plainly(

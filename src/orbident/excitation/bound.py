@@ -114,13 +114,21 @@ def bound_of(
     prior = prior_of(robot, sets, problem.declared, outside, rest).extended(
         np.array([each.std for each in problem.expected])
     )
-    if {"position", "velocity", "accelerometer"}.isdisjoint(sensors.by_name):
+    alone = {"position", "velocity", "accelerometer"}.isdisjoint(sensors.by_name)
+    if alone:
         prior = with_hidden_held(prior, robot, sets)
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
     found = parameters_of_beta(
         robot, sets, estimate_of(solution, prior_std(robot, sets))
     )
+
+    if alone:
+        phi, base = (
+            each._replace(determined=np.zeros_like(each.determined))
+            for each in (found.phi, found.base)
+        )
+        found = found._replace(phi=phi, base=base)
 
     def budget() -> Budget:
         words, known = formulas_of(robot, sets), (found.base, found.phi, found.pi)

@@ -23,9 +23,10 @@ from jaxtyping import Bool, Float
 from scipy.linalg import null_space
 
 from orbident.errors import InputError
-from orbident.estimation.base_parameters import exact_std, prior_std
+from orbident.estimation.base_parameters import Known
 from orbident.estimation.levels import ChiSquare
 from orbident.estimation.result import Result
+from orbident.estimation.several import difference_in_pi
 from orbident.files.names import listed
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -165,9 +166,6 @@ def difference_of(before: Result, after: Result) -> Difference:
 def change_of_pi(before: Result, after: Result) -> ChiSquare:
     """Chi-square of the difference in `pi`, as far as both determine it.
 
-    There are more of `pi` than numbers that they depend on: of their covariance's
-    eigenvalues no more than these count.
-
     Raises:
         InputError: the robots' structures differ, and so do the parameters in `pi`.
     """
@@ -176,18 +174,15 @@ def change_of_pi(before: Result, after: Result) -> ChiSquare:
             "the structures of the robots differ, so that their pi are of other "
             "parameters; identify one of them again with the structure of the other"
         )
-    d = after.pi.values - before.pi.values
-    n, known = d.size, np.isfinite(d)
-    C = (before.covariance + after.covariance)[:n, :n][np.ix_(known, known)]
-    sets = minimal_sets(after.robot)
-    of_pi = sets.derivatives(sets.beta(after.robot.theta))[0][known]
-    free = np.linalg.matrix_rank(of_pi * prior_std(after.robot, sets), ZERO)
-    exact = of_pi * exact_std(after.robot, sets)
-    C += exact @ exact.T
-    std = np.sqrt(np.diag(C))
-    values, vectors = np.linalg.eigh(C / np.outer(std, std))
-    z = vectors.T[-free:] @ (d[known] / std) / np.sqrt(values[-free:])
-    return ChiSquare(float(z @ z), int(free))
+    one, other = (_known_pi(each) for each in (before, after))
+    return difference_in_pi(after.robot, minimal_sets(after.robot), one, other)
+
+
+def _known_pi(result: Result) -> Known:
+    n = result.pi.values.size
+    return Known(
+        result.pi.values, result.covariance[:n, :n], np.isfinite(result.pi.values)
+    )
 
 
 def determined_combinations(

@@ -166,8 +166,9 @@ class OutputError:
         if not samples.v_S:
             prior = with_hidden_held(prior, robot, sets)
         by_cad, steps = sets.beta(robot.theta), self.steps
-        # Linear fits are poor where a velocity is noisier than the motion.
-        by_fits = beta[0] > 0 and not np.array_equal(beta, by_cad)
+        # Linear fits are poor where a velocity is noisier than the motion. Momentum
+        # alone is that of several robots, of which the true one is near to CAD.
+        by_fits = beta[0] > 0 and not np.array_equal(beta, by_cad) and samples.v_S
         starts = [
             walked(equations, start_of(equations, samples, outside, at))
             for at in ([beta, by_cad] if by_fits else [by_cad])
