@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 65_132,
+    "lines": 65_136,
     "files of estimation": 51,
-    "lines of estimation": 13_088,
+    "lines of estimation": 13_092,
     "files with one user": 63,
     "imports below each other": 30,
     "numbers without a reason": 38,

@@ -34,10 +34,7 @@ from orbident.estimation.output_error.joint_laws import ENOUGH
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted, is_bad
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
-from orbident.estimation.output_error.taken_for_zero import (
-    TakenForZero,
-    taken_for_zero,
-)
+from orbident.estimation.output_error.taken_for_zero import TakenForZero, taken_for_zero
 from orbident.estimation.solution import NO_EQUATIONS, Linear, Prior, Solution, Unknowns
 
 ROUNDS = 6
@@ -102,8 +99,7 @@ class Search:
 
         Args:
             names: of errors of instruments.
-            trial: where a search starts that is a trial, of few steps: where what is
-                tried is right, more are not needed.
+            trial: where a search starts that is a trial, of few steps.
         """
         problem, progress = self.problem, self.progress
         more = (*problem.unknowns(names), *problem.expected)
@@ -262,8 +258,8 @@ def _best(
     """The family that explains most, freed; None where there is no hope.
 
     Where an instrument that is off, one number, is likelier than all numbers of a
-    family, or what explains most acts as nothing does, nothing is freed: the checks of
-    the residuals then say what is wrong.
+    family, or what explains most acts as nothing does, no more than a valve is freed:
+    the checks of the residuals then say what is wrong.
     """
     problem = search.problem
     among = (*problem.expected, *problem.declared)
@@ -277,17 +273,30 @@ def _best(
         enough = dict.fromkeys(beyond, SOME_OF_IT * zeros.solution.cost)
         enough |= dict.fromkeys(problem.gains, 0.0)
         beyond = {x: fall for x, fall in beyond.items() if fall > enough[x]}
-    tried = _freed(search, zeros, cost, beyond)
-    if not tried:
-        return None
-    least, family, freed, solution = min(tried, key=lambda each: each.worth)
+    tried = sorted(_freed(search, zeros, cost, beyond), key=lambda each: each.worth)
+    found = _as_it_acts(search, zeros, cost, tried[0], beside) if tried else None
+    if found is not None:
+        return found
+    # A valve is off whatever else is wrong.
+    valve = next((each for each in tried if each.family in problem.gains), None)
+    return valve and (valve.family, valve.search, valve.solution)
+
+
+def _as_it_acts(
+    search: Search,
+    zeros: TakenForZero,
+    cost: float,
+    likeliest: "_Freed",
+    beside: Collection[str],
+) -> tuple[str, Search, Solution] | None:
+    """A freed family, as large as is most likely; None where it does not act so."""
+    problem, (least, family, freed, solution) = search.problem, likeliest
     if acts_backwards(problem, solution, family):
         return None
     if family in problem.gains:
         # It is an instrument itself; more than one valve may stick.
         return family, freed, solution
-    bad = is_bad(problem, solution.cost)
-    if bad or _by_an_instrument(search, zeros, cost, least):
+    if is_bad(problem, solution.cost) or _by_an_instrument(search, zeros, cost, least):
         return None
     size = size_of(freed.problem, solution, family)
     sizes = {name: each.size for name, each in problem.acting.allowed.items()}
@@ -314,10 +323,7 @@ class _Freed(NamedTuple):
 
 
 def _freed(
-    search: Search,
-    zeros: TakenForZero,
-    cost: float,
-    beyond: Mapping[str, float],
+    search: Search, zeros: TakenForZero, cost: float, beyond: Mapping[str, float]
 ) -> list[_Freed]:
     """Free the likeliest families, one at a time; those that explain something.
 
@@ -326,8 +332,9 @@ def _freed(
     problem, tried = search.problem, list[_Freed]()
     at = zeros.solution.state
     for family in _likely(beyond):
-        if tried and beyond[family] < FIRST_ORDER * beyond[tried[0].family]:
-            break
+        unlikely = tried and beyond[family] < FIRST_ORDER * beyond[tried[0].family]
+        if unlikely and family not in problem.gains:
+            continue
         freed = search.allowing({family: np.inf})
         solution = freed.freed(trial=at)
         numbers = len(problem.unknowns([family]))
@@ -345,10 +352,7 @@ def _of_a_robot(search: Search, solution: Solution, cost: float) -> bool:
 
 
 def _by_an_instrument(
-    search: Search,
-    zeros: TakenForZero,
-    cost: float,
-    least: float,
+    search: Search, zeros: TakenForZero, cost: float, least: float
 ) -> bool:
     """Whether one that is off is likelier than what has this evidence.
 
