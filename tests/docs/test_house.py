@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 65_136,
+    "lines": 65_138,
     "files of estimation": 51,
     "lines of estimation": 13_092,
     "files with one user": 63,
