@@ -97,7 +97,7 @@ def long_on_a_table(seed: int, duration: float) -> tuple[Robot, Known]:
 
 
 def errors_of(seed: int, duration: float) -> np.ndarray:
-    """Of its base parameters over their deviations; none of what is refused."""
+    """Errors of the base parameters over their deviations; NaN if it is refused."""
     true, known = long_on_a_table(seed, duration)
     result = identify(known.robot, known.recording, initial_momentum="at-rest")
     beta = minimal_sets(true).beta(true.theta)
@@ -106,8 +106,8 @@ def errors_of(seed: int, duration: float) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", [slow(219), 427])
 def test_all_that_acts_on_a_table_for_long(seed: int):
-    """Of what changes slowly no more swings than half a minute has were followed, and
-    an uneven floor pulled at the CM by CAD: both had been refused."""
+    """Both recordings had been refused: a slow torque was only followed for as many
+    swings as half a minute has, and an uneven floor pulled at the CM of CAD."""
     off = errors_of(seed, 40.0)
     assert np.isfinite(off).all()
     assert np.abs(off).max() < 4

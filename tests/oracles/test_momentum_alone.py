@@ -25,7 +25,7 @@ from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
 
 PARENTS = ((), (0,), (0, 1), (0, 1, 2), (0, 1, 0), (0, 1, 0, 3))
-"""Of arms and trees; the first is a satellite."""
+"""The parents of the joints of each robot; the first robot has no joint."""
 
 OFF = 0.05
 """CAD masses and inertias are off by so much, those of each body by one factor."""
@@ -158,7 +158,7 @@ def test_wheels_that_stand_tell_no_size():
 
 @pytest.mark.long
 def test_intervals_of_pi():
-    """Of sixty random robots, in 95 of 100 as far as they are independent."""
+    """The 95 % intervals of sixty random robots hold the true `pi` as often as that."""
     inside = []
     for seed in range(60):
         flight = flown(seed, PARENTS[seed % len(PARENTS)])

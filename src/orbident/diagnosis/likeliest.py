@@ -226,11 +226,10 @@ def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
         owners = dict.fromkeys(each.split(".")[1] for each in errors)
         return f"{kind.words.format(' or '.join(owners))} is off"
     which = kind.words.format(named[1] if len(named) > 1 else "")
-    owners = {each.split(".")[1]: fit for each, fit in errors.items() if "." in each}
-    also = [
-        owner
-        for owner, fit in owners.items()
-        if owner not in named and abs(fit.value) > CLEAR * fit.std
-    ]
-    too = f", and so is that of {joined(also)}" if also and not kind.of_one else ""
+    if kind.of_one:
+        return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"
+    clear = (each for each, x in errors.items() if abs(x.value) > CLEAR * x.std)
+    owners = dict.fromkeys(each.split(".")[1] for each in clear)
+    also = [owner for owner in owners if owner not in named]
+    too = f", and so is that of {joined(also)}" if also else ""
     return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}{too}"

@@ -321,7 +321,8 @@ def slow_shapes(motion: RobotMotion, group: str) -> Float[np.ndarray, "nodes sha
     shortest = allowed.shortest if allowed else None
     shortest = shortest or SHORTEST[world_of(motion.robot)]
     start, end = motion.t[0], motion.t[-1]
-    # Thrust is told from a torque by being faster: as many shapes follow it, too.
+    # With more shapes beside thrusters a slow torque takes the place of their thrust,
+    # and a robot seems to have a twentieth of its mass.
     alone = not motion.robot.thrusters
     each = SWINGS / (len(conserved_axes(motion.robot)[0]) if alone else 3)
     lasts = max(shortest / np.pi, (end - start) / each)

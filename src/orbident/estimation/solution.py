@@ -245,7 +245,7 @@ class Prior(NamedTuple):
     carried: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
     """The same of what passive joints carry."""
     held: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
-    """The same of what nothing shows, and on which nothing depends."""
+    """Equations that hold parameters which no sensor shows at their nominal values."""
 
     @property
     def equations(self) -> tuple[Float[np.ndarray, "rows columns"], ...]:

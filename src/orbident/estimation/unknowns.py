@@ -28,10 +28,10 @@ class CalibrationFit(NamedTuple):
 
     @property
     def beyond_tolerance(self) -> float:
-        """By how much chi-square would fall without the tolerance.
+        """How much smaller chi-square would be if the error had no tolerance.
 
-        What is found of an error varies, beforehand, by its tolerance less what is
-        still unknown of it.
+        The estimated error is expected to vary by the tolerance, less the part of it
+        that the recording leaves unknown.
         """
         told = 1 - (self.std / self.tolerance) ** 2
         return (self.value / self.tolerance) ** 2 / max(told, TOLD)

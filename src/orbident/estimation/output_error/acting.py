@@ -9,7 +9,7 @@ An accelerometer feels `F / M + b`.
 """
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -24,7 +24,6 @@ from orbident.environment.motion import (
     Effect,
     PointMotion,
     RobotMotion,
-    at_nodes,
     by_step,
     integral,
     straight,
@@ -32,6 +31,11 @@ from orbident.environment.motion import (
 from orbident.environment.orbital import GravityGradient
 from orbident.environment.worlds import scale_of, what_may_act
 from orbident.errors import InputError
+from orbident.estimation.output_error.integrated_effects import (
+    ROWS,
+    moved_by,
+    moved_by_beta,
+)
 from orbident.estimation.output_error.recorded_thrust import (
     SHARED,
     EvenSteps,
@@ -167,9 +171,6 @@ class Followed:
 LONGEST = 2**15
 """Rows of a recording in which something may act: tables of it take 3 kB a row."""
 
-ROWS = 15
-"""A node has so many: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
-
 
 class Acting:
     """What may act along a recording; it is worked out when it is first asked for."""
@@ -277,12 +278,13 @@ class Acting:
             torque = by_step(GravityGradient().moment(motion, theta))
             total = total._replace(torque=total.torque + torque)
         acting = self.followed.disturbances if sizes.keys() - every.keys() else ()
-        place, uneven = self.followed.place(r), np.zeros((3, 3))
+        uneven = np.zeros((3, 3))
         pushing = [k for k in sizes if k in every]
         for k, each in enumerate(acting, SHARED + len(self.recorded)):
             every[k] = each.effect
             if k in sizes and each.by_place is not None:
-                every[k] = motion.nothing._replace(pull=place @ each.by_place)
+                pull = self.followed.place(r) @ each.by_place
+                every[k] = motion.nothing._replace(pull=pull)
                 uneven += sizes[k] * each.by_place
             if k in sizes and (each.by_place is not None or each.effect.force.any()):
                 pushing.append(k)
@@ -292,12 +294,16 @@ class Acting:
         table[..., 0] = 0.0
         table[..., 0] = table @ np.array([0, *(sizes[k] * (k in still) for k in sizes)])
         if pushing or self.recorded or tide:
-            own = self._moved([total, *(every[k] for k in pushing)], r, beta[0])
+            effects = [total, *(every[k] for k in pushing)]
+            own = moved_by(self.followed.t, effects, r, float(beta[0]))
             table[..., 0] += own[..., 0]
             table[..., [1 + [*sizes].index(k) for k in pushing]] = own[..., 1:]
         if not (total.force.any() or uneven.any()):
             return table
-        by_beta = self._by_beta(total, uneven, r, beta[0])
+        moments = by_step(self.followed.moments)
+        by_beta = moved_by_beta(
+            self.followed.t, total, uneven, r, moments, float(beta[0])
+        )
         return np.concatenate([table, by_beta], axis=2)
 
     def _thrust(self, sizes: Mapping[int, float]) -> tuple[dict[int, Effect], Effect]:
@@ -362,49 +368,5 @@ class Acting:
             still.clear()
             own = [effects.get(k, nothing) for k in places]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
-            still[key] = self._moved([nothing, *own], nowhere, 1.0)
+            still[key] = moved_by(self.followed.t, [nothing, *own], nowhere, 1.0)
         return still[key]
-
-    def _moved(
-        self, effects: Sequence[Effect], r: Float[np.ndarray, "steps 3 3"], M: float
-    ) -> Float[np.ndarray, "nodes rows effects"]:
-        t = self.followed.t
-        table = np.zeros((t.size, ROWS, len(effects)))
-        for k, each in enumerate(effects):
-            rate = each.torque
-            if each.accelerates:
-                rate = rate - np.cross(r, each.force, axis=2)
-                felt = each.force / M + each.push
-                v = integral(t, felt + each.pull)
-                table[:, 6:9, k] = integral(t, by_step(v))
-                table[:, 9:12, k] = v
-                table[:, 12:15, k] = at_nodes(felt)
-            table[:, 0:3, k], table[:, 3:6, k] = integral(t, rate), at_nodes(rate)
-        return table
-
-    def _by_beta(
-        self,
-        effect: Effect,
-        uneven: Float[np.ndarray, "3 3"],
-        r: Float[np.ndarray, "steps 3 3"],
-        M: float,
-    ) -> Float[np.ndarray, "nodes 15 beta"]:
-        """The slopes by `beta`: of lever arms, and of how a force moves the mass.
-
-        A pull that is `uneven` changes with the CM's place.
-        """
-        t = self.followed.t
-        by_r = by_step(self.followed.moments) / M
-        by_r[..., 0] -= r / M
-        rate = -np.cross(by_r, effect.force[..., None], axis=2)
-        slopes = np.zeros((t.size, ROWS, by_r.shape[-1]))
-        slopes[:, 0:3], slopes[:, 3:6] = integral(t, rate), at_nodes(rate)
-        felt = -effect.force / M**2
-        v = integral(t, felt)
-        slopes[:, 6:9, 0], slopes[:, 9:12, 0] = integral(t, by_step(v)), v
-        slopes[:, 12:15, 0] = at_nodes(felt)
-        if uneven.any():
-            v = integral(t, uneven @ (by_r - by_r[0, 0]))
-            slopes[:, 6:9] += integral(t, by_step(v))
-            slopes[:, 9:12] += v
-        return slopes

@@ -176,9 +176,10 @@ def with_others(prior: Prior, others: Shared, calibrations: Sequence[Unknown]) -
 
 
 def with_hidden_held(prior: Prior, robot: Robot, sets: MinimalSets) -> Prior:
-    """Of the robots that momentum and what is known leave, the one nearest to nominal.
+    """The prior of a recording without positions, which cannot tell some robots apart.
 
-    Momentum alone shows `pi`, and nothing that it predicts depends on the choice.
+    Momentum alone shows `pi`, and many robots have the same. Of these the one nearest
+    to nominal is taken: what is predicted of the momentum does not depend on it.
 
     Args:
         prior: of all unknowns.
