@@ -116,7 +116,7 @@ def test_a_scale_beyond_its_tolerance(times: float):
         f"joint.{name}.torque": x for name, x in zip(names, shown.T, strict=True)
     }
     recording = known.recording.with_columns(columns)
-    result = identify(robot, recording).with_causes()
+    result = identify(robot, recording).with_causes("all")
     off = re.search(
         r"the scale or the sign of the torque of joint \S+ is off by (\S+)",
         result.refusal(),

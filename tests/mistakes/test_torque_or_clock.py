@@ -79,7 +79,7 @@ def test_a_late_attitude_without_a_gyro(name: str):
     }
     recording = Recording(t, columns, "late")
     result = identify(clean.robot, recording, initial_momentum="at-rest")
-    words = result.with_causes().refusal()
+    words = result.with_causes("all").refusal()
     said = re.match(r"the clock of the attitude is (\S+) ms late", words)
     assert said, words
     assert float(said[1]) == pytest.approx(60.0, abs=5.0)
