@@ -168,15 +168,18 @@ def _lasting_falls(problem: MomentumProblem, best: CorrectedConvention) -> float
     if best.residuals_alone < FALLS:
         return best.residuals_alone
     left = [problem, problem.amended(recording=best.convention.written(problem))]
-    before, after = (float(np.prod(_lasting_parts(each))) for each in left)
+    before, after = map(_lasting_part, left)
     return before / after if after > 0 else np.inf
 
 
-def _lasting_parts(problem: MomentumProblem) -> Float[np.ndarray, "2"]:
-    """The parts that the equations leave, without noise of single samples."""
-    fits = problem.fits
-    left = np.array([_part_left(each) for each in (fits.pi, fits.phi)])
-    return left * np.sqrt(_correlations(problem))
+def _lasting_part(problem: MomentumProblem) -> float:
+    """The part that both equations leave, without noise of single samples."""
+    fits, lasting = problem.fits, np.sqrt(_correlations(problem))
+    return math.prod(
+        _part_left(fit) * float(part)
+        for fit, part in zip((fits.pi, fits.phi), lasting, strict=True)
+        if fit.explained > 0
+    )
 
 
 def _part_left(fit: LinearFit) -> float:
@@ -244,14 +247,16 @@ def linear_misfit(problem: MomentumProblem) -> float:
 
 def _left(problem: MomentumProblem, fits: Fits) -> _Left:
     robot, sets = problem.robot, problem.sets
-    left = [_part_left(each) for each in (fits.pi, fits.phi) if each.explained > 0]
-    if not np.isfinite(left).all():
+    by_cad = sets.pi(robot.theta), sets.phi(robot.theta)
+    # Without positions the equation of the velocity is empty, and says nothing.
+    found = [
+        (_part_left(fit), _gain(fit, nominal))
+        for fit, nominal in zip((fits.pi, fits.phi), by_cad, strict=True)
+        if fit.explained > 0
+    ]
+    if not np.isfinite(found).all():
         return _Left(np.inf)
-    gains = (
-        _gain(fits.pi, sets.pi(robot.theta)),
-        _gain(fits.phi, sets.phi(robot.theta)),
-    )
-    return _Left(float(np.prod(left)), gains)
+    return _Left(math.prod(left for left, _ in found), tuple(gain for _, gain in found))
 
 
 def _gain(found: LinearFit, nominal: Float[np.ndarray, " n"]) -> float:

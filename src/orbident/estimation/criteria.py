@@ -57,7 +57,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
     robot = problem.robot
     names = {check.name for check in hindered}
     found, none = estimate.parameters, not hindered
-    tracked = bool(problem.samples.v_S)
+    tracked = problem.samples.tracked
     pi = found.pi.determined & (not names & {"scale", "at rest"})
     # Momentum alone shows `pi`, of which there may be several robots.
     phi = found.phi.determined & tracked

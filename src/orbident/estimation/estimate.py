@@ -231,7 +231,7 @@ def estimate_of_beta(
             knows nothing of joints that nobody measures.
     """
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not problem.samples.v_S:
+    if not problem.samples.tracked:
         mass = Quantity(float("nan"), float("nan"))
     elif problem.linear and not disturbed:
         linear = problem.linear_mass
@@ -256,7 +256,7 @@ def biases_of_sensors(
 
 def rms_of_equations(problem: MomentumProblem) -> dict[str, float | None]:
     """What the linear fits leave of Eq. 24, N m s, and Eq. 31, m/s."""
-    velocity = problem.fits.phi.rms if problem.samples.v_S else None
+    velocity = problem.fits.phi.rms if problem.samples.tracked else None
     return {"momentum": problem.fits.pi.rms, "velocity": velocity}
 
 

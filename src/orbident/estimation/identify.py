@@ -141,7 +141,7 @@ def identify(
         one = solve(robot, each, initial_momentum, estimator, part)
         alone.append(with_push(one, estimator, part))
     # The last one's result is that of all, and shows what any of them shows.
-    order = sorted(range(len(held)), key=lambda k: bool(alone[k].problem.samples.v_S))
+    order = sorted(range(len(held)), key=lambda k: alone[k].problem.samples.tracked)
     labels, alone = [labels[k] for k in order], [alone[k] for k in order]
     results = [judged(each) for each in alone]
     agree = agreement(alone, labels)

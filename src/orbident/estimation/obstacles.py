@@ -85,23 +85,23 @@ def _clocks_apart(problem: MomentumProblem) -> list[Check]:
     ]
 
 
-def no_velocity(problem: MomentumProblem, level: Level = "do not trust") -> list[Check]:
+def no_velocity(
+    problem: MomentumProblem, level: Level = "do not trust", otherwise: str = ""
+) -> list[Check]:
     """Why `phi` and the mass are not determined: momentum alone was recorded.
 
     Args:
         problem: of a recording.
         level: of a method that cannot go without.
+        otherwise: what may be done instead of recording it.
     """
-    if problem.samples.v_S:
+    if problem.samples.tracked:
         return []
     reason = (
         "phi and the mass are not determined: the recording has no velocity.x .y "
         ".z of the feature point (nor position.x .y .z)"
     )
-    remedy = "record one of them"
-    if level == "do not trust" and not problem.samples.wrenches:
-        remedy += ", or identify pi alone by maximum-likelihood"
-    return [Check("velocity of S", level, reason, remedy)]
+    return [Check("velocity of S", level, reason, f"record one of them{otherwise}")]
 
 
 def _no_scale(problem: MomentumProblem) -> list[Check]:
@@ -190,7 +190,7 @@ def scale_beside_nominal(solved: Solved) -> Iterator[Check]:
     """Whether the mass, or `pi` where that is all, is as large as CAD has it."""
     problem, found, robot = solved.problem, solved.estimate, solved.problem.robot
     given = len(robot.wheels), bool((solved.shown or found).drives)
-    if problem.samples.v_S:
+    if problem.samples.tracked:
         return beside_nominal(found.mass, robot.mass, *given)
     pi, cad = found.parameters.pi, problem.sets.pi(robot.theta)
     size, nominal = (

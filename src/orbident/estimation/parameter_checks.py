@@ -311,7 +311,8 @@ def size_of_pi(estimate: Estimate) -> Iterator[Check]:
     values, C = pi.values[pi.determined], pi.covariance[pi.determined][:, pi.determined]
     size = float(np.linalg.norm(values))
     std = float(np.sqrt(max(values @ C @ values, 0.0)))
-    if not std < VAGUE * size**2:
+    # Where nothing of it is determined, that is said already.
+    if size and not std < VAGUE * size**2:
         reason = f"pi: how large all of it is, is known to {std / size**2:.0%} only"
         remedy = f"record a richer or longer motion, {IN_WHEELS}"
         yield Check("size of pi", "do not trust", reason, remedy, std / size**2, VAGUE)

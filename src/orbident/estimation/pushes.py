@@ -143,7 +143,7 @@ def jump_of_momenta(problem: MomentumProblem) -> tuple[int, float]:
     wheels, batch = wheels_of(problem.robot), samples.batch(0, samples.t.size)
     rows_h, rows_v = rows_of(regressors, wheels, None, batch, samples.drift())
     parts = [_left_by_jumps(rows_h, len(regressors.momentum_axes))]
-    if samples.v_S:
+    if samples.tracked:
         parts.append(_left_by_jumps(rows_v, len(regressors.velocity_axes)))
     # Minus twice the logarithm of the likelihood is, of each equation, its rows times
     # that of its squares. A jump at either end is a constant momentum or none.

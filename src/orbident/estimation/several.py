@@ -106,7 +106,7 @@ def _differ(solved: Sequence[Solved]) -> ChiSquare:
     to the same. Beside recordings with positions those without show `pi` alone.
     """
     problem = solved[0].problem
-    tracked = [bool(each.problem.samples.v_S) for each in solved]
+    tracked = [each.problem.samples.tracked for each in solved]
     if any(tracked) and not all(tracked):
         whole = [*compress(solved, tracked)]
         pis = [each.estimate.parameters.pi for each in solved]

@@ -77,7 +77,7 @@ def _seen_at_once(
     first.
     """
     hindered = _obstacles(problem, estimator)
-    if not problem.samples.v_S and [*hindered, *surprise(problem)]:
+    if not problem.samples.tracked and [*hindered, *surprise(problem)]:
         return hindered
     return [*_plainly("plain_mistake", problem, shown), *hindered]
 
@@ -131,7 +131,9 @@ def _obstacles(problem: MomentumProblem, estimator: Estimator) -> list[Check]:
     Without these nothing shows where the CM is, beside which a force turns the robot.
     """
     if not isinstance(estimator, OutputError):
-        return [*obstacles(problem), *no_velocity(problem)]
+        alone = ", or identify pi alone by maximum-likelihood"
+        otherwise = "" if problem.samples.wrenches else alone
+        return [*obstacles(problem), *no_velocity(problem, otherwise=otherwise)]
     driven = joints_with_torques(problem.robot, problem.recording)
     forced = any(each.force.any() for each in problem.samples.wrenches)
     return [

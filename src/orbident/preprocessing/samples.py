@@ -138,13 +138,13 @@ class Samples:
         tables = [_table(getattr(self, name), rows) for name in names]
         complete = [np.isfinite(table).all(axis=1) for table in tables]
         turning = np.logical_and.reduce(complete[:5])
-        moving = turning & complete[5] & bool(self.v_S)
+        moving = turning & complete[5] & self.tracked
         q, qd, w, x_WB, qd_rw, v_S = (
             np.where(turning[:, None], table, 0.0) for table in tables
         )
         x_WB[~turning, 3] = 1.0
         unknown = np.zeros((turning.size, 3))
-        v_S = np.where(moving[:, None], v_S if self.v_S else unknown, unknown)
+        v_S = np.where(moving[:, None], v_S if self.tracked else unknown, unknown)
         h_given = _table(self.h_given, rows) if self.h_given else unknown
         return Batch(q, qd, w, x_WB, qd_rw, v_S, turning, moving, h_given)
 
@@ -172,9 +172,14 @@ class Samples:
         return replace(self, w=w, v_S=tuple(v_S), h_given=at_samples(given.h))
 
     @property
+    def tracked(self) -> bool:
+        """Whether the velocity of S can be had; without it `pi` alone shows."""
+        return bool(self.v_S)
+
+    @property
     def biased(self) -> bool:
         """Whether the bias of an accelerometer shows in `v_S`."""
-        return bool(self.v_S) and bool(self.origins.get("velocity", Origin(0)) & BIASED)
+        return self.tracked and bool(self.origins.get("velocity", Origin(0)) & BIASED)
 
     def drift(self) -> Float[np.ndarray, "samples 3 3"] | None:
         """What that bias adds to `v_S`, inertial axes, s; None where it does not show.

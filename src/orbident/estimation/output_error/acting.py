@@ -84,11 +84,6 @@ class Followed:
         """What is known to act on the base from a row until the next."""
         return RecordedThrust(self.motion, self.samples.t, self.samples.wrenches)
 
-    @property
-    def tracked(self) -> bool:
-        """Whether the velocity of S is known."""
-        return bool(self.samples.v_S)
-
     @cached_property
     def motion(self) -> RobotMotion:
         """All of it; in inertial axes the surroundings change slowly."""
@@ -98,7 +93,7 @@ class Followed:
         known = np.isfinite(x).all(axis=1)
         at, x_WB = samples.t[known], Rotation.from_quat(x[known])
         S = None
-        if self.tracked:
+        if samples.tracked:
             v_S = self._between(samples.t, samples.v_S)
             S = PointMotion(integral(t, by_step(v_S)), v_S)
         return RobotMotion(
@@ -129,7 +124,7 @@ class Followed:
         """What may act, by how large the motion is where all was measured."""
         samples, history = self.samples, self.intervals.history
         w = np.column_stack(samples.w)
-        v_S = np.column_stack(samples.v_S) if self.tracked else None
+        v_S = np.column_stack(samples.v_S) if samples.tracked else None
         scale = scale_of(
             self.robot,
             self.intervals.t,

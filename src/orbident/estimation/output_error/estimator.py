@@ -163,12 +163,12 @@ class OutputError:
         if self.others is not None:
             beta = self.others.beta
             prior = with_others(prior, self.others, equations.declared)
-        if not samples.v_S:
+        if not samples.tracked:
             prior = with_hidden_held(prior, robot, sets)
         by_cad, steps = sets.beta(robot.theta), self.steps
         # Linear fits are poor where a velocity is noisier than the motion. Momentum
         # alone is that of several robots, of which the true one is near to CAD.
-        by_fits = beta[0] > 0 and not np.array_equal(beta, by_cad) and samples.v_S
+        by_fits = beta[0] > 0 and not np.array_equal(beta, by_cad) and samples.tracked
         starts = [
             walked(equations, start_of(equations, samples, outside, at))
             for at in ([beta, by_cad] if by_fits else [by_cad])
@@ -194,7 +194,8 @@ class OutputError:
                     steps = min(steps, FEW_STEPS)
                     break
             starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
-        nominal, loosely = starts[-1], partial(following, turning=LOOSE_TURNS)
+        nominal = starts[-1]
+        loosely = [partial(following, turning=each) for each in LOOSE_TURNS]
         at_hand, shows = [], dict[str, float]()
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:
@@ -217,7 +218,7 @@ class OutputError:
             starts[0],
             nominal,
             at_hand,
-            loosely if self.tested or self.steps == STEPS else None,
+            loosely if self.tested or self.steps == STEPS else [],
             shows,
             {name: each.least / each.std for name, each in sensors.by_name.items()},
             {name for name, each in sensors.by_name.items() if each.declared},

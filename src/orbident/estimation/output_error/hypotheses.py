@@ -13,13 +13,12 @@ score (`taken_for_zero.py`). Both are chi-square, and `levels.py` says when chan
 explains them. Where it does not, the family is as large as is most likely.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
 from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, UNTESTED, WALKS
 from orbident.estimation.levels import ChiSquare, integrated_out, limit
@@ -33,7 +32,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
 from orbident.estimation.output_error.joint_laws import ENOUGH
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted, is_bad
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.solver import STEPS, solved
+from orbident.estimation.output_error.solver import STEPS, continuous, solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero, taken_for_zero
 from orbident.estimation.solution import NO_EQUATIONS, Linear, Prior, Solution, Unknowns
 
@@ -74,9 +73,10 @@ class Search:
     """The nominal robot, from which it starts where that leads nowhere."""
     at_hand: list[Linear]
     """The equations there, until they are used: they are large."""
-    loose: Callable[[], Problem] | None
-    """Makes the equations of an attitude that may turn nearly as it likes; not for what
-    is only tried: most of that is wrong, and then no least cost is near."""
+    loose: Sequence[Callable[[], Problem]]
+    """Make the equations of an attitude that may turn nearly as it likes, and less and
+    less so; none for what is only tried: most of that is wrong, and then no least cost
+    is near."""
     shows: Mapping[str, float]
     """How much of what acts they show; see `Problem`."""
     least: Mapping[str, float]
@@ -114,23 +114,29 @@ class Search:
         found = first.converged and first.state.beta[0] > 0
         if found or trial or not self.loose:
             return first
-        loosely = self._loosely(self.loose(), prior, places)
-        second = solve(prior=prior, state=loosely, steps=self.steps)
+        loosely = self._loosely(prior, self.nominal.carried(places))
+        here = continuous(problem, problem.weights, prior, loosely)
+        second = solve(prior=prior, state=here.at, steps=self.steps, here=here)
         return min(first, second, key=lambda each: each.cost)
 
-    def _loosely(
-        self, loose: Problem, prior: Prior, places: Float[np.ndarray, " selected"]
-    ) -> Unknowns:
+    def _loosely(self, prior: Prior, at: Unknowns) -> Unknowns:
         """Where a search ends in which the attitude may turn nearly as it likes.
 
         An attitude that has to turn as its equations say weighs more than all samples:
         far from the least cost a step follows it alone, and leads anywhere.
         """
-        problem = self.problem._replace(recorded=loose.recorded, loose=loose.loose)
-        weights, at = problem.weights, self.nominal.carried(places)
-        return solved(
-            problem, weights, prior, at, self.progress, self.steps, enough=ENOUGH
-        ).state
+        for made in self.loose:
+            loose = made()
+            problem = self.problem._replace(recorded=loose.recorded, loose=loose.loose)
+            weights, steps = problem.weights, self.steps
+            found = solved(
+                problem, weights, prior, at, self.progress, steps, enough=ENOUGH
+            )
+            at = found.state
+            if is_bad(problem, found.cost):
+                # What fits nothing even so is no robot's.
+                break
+        return at
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
         """The search in a world where what may act has other sizes, by family, SI.

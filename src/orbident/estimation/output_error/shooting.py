@@ -49,10 +49,10 @@ TURN_AND_BIASES = 9
 CONTINUOUS = 1e-9
 """rad/sqrt(s): what splines and integration add to the attitude."""
 
-LOOSE_TURNS = 1e-2
-"""rad/sqrt(s): the same in a search that leads to another one. What a CAD model that is
-20 % off turns a base otherwise is about as large, so that its errors and those of the
-attitude count alike."""
+LOOSE_TURNS = 1e-2, 1e-3, 1e-4
+"""rad/sqrt(s): the same in searches of which each leads to the next. What a CAD model
+that is 20 % off turns a base otherwise is about as large as the first, so that its
+errors and those of the attitude count alike."""
 
 STEADY = 1e-6
 """Walk of a bias of which nothing is declared, over the noise of a sample."""

@@ -176,20 +176,61 @@ def _corrected(
     where the step led. Where that costs more, too, all are (Fletcher 1982).
     """
     first, first_cost = equations_at(problem, weights, prior, moved)
-    for alone in (True, False):
-        there, new_cost, last = first, first_cost, np.inf
-        while cost <= new_cost < FALLS * last:
-            last, at = new_cost, there.at
-            g = np.zeros(at.common.size)
-            if not alone:
-                g = _damped(prior.added(there.common, at), damping)
-            even = problem.acting.steps_from(at)
-            moved = at.moved(there.step(g), even.changed(g))
-            there, new_cost = equations_at(problem, weights, prior, moved)
-        # Three of them at once would take much memory.
-        if new_cost < cost or problem.t.size >= LARGE:
-            break
+    there, new_cost = _met(problem, weights, prior, first, first_cost, cost)
+    # Three of them at once would take much memory.
+    if not new_cost < cost and problem.t.size < LARGE:
+        there, new_cost = _met(
+            problem, weights, prior, first, first_cost, cost, damping
+        )
     return there, new_cost
+
+
+def _met(
+    problem: Problem,
+    weights: BySensor,
+    prior: Prior,
+    there: Linear,
+    cost: float,
+    above: float = -np.inf,
+    damping: float | None = None,
+) -> tuple[Linear, float]:
+    """The equations where intervals meet better, and their cost.
+
+    Boundaries are corrected while that lowers the cost by much.
+
+    Args:
+        problem: a recording's equations.
+        weights: the weights of its samples.
+        prior: what is known beforehand.
+        there: the equations that are to be corrected.
+        cost: of these.
+        above: a cost below which no more is corrected.
+        damping: of corrections of all else, which stays without it.
+    """
+    last = np.inf
+    while above <= cost < FALLS * last:
+        last, at = cost, there.at
+        g = np.zeros(at.common.size)
+        if damping is not None:
+            g = _damped(prior.added(there.common, at), damping)
+        even = problem.acting.steps_from(at)
+        moved = at.moved(there.step(g), even.changed(g))
+        there, cost = equations_at(problem, weights, prior, moved)
+    return there, cost
+
+
+def continuous(
+    problem: Problem, weights: BySensor, prior: Prior, state: Unknowns
+) -> Linear:
+    """The equations at a state of a looser problem, where intervals meet as they must.
+
+    What they leave of continuity costs more than all samples: a first step that takes
+    it away would lower the cost wherever it leads the parameters.
+    """
+    here = linear(problem, weights, state)
+    cost = here.cost + prior.cost(state)
+    there, new_cost = _met(problem, weights, prior, here, cost)
+    return there if new_cost < cost else here
 
 
 def solution_at(
