@@ -74,6 +74,7 @@ from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
 from orbident.estimation.output_error.torques import drives_of, joints_driven
 from orbident.estimation.output_error.walking_rates import Density, walked
+from orbident.estimation.output_error.wheel_speeds import with_likely_speeds
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import MinimalSets
@@ -132,8 +133,9 @@ class OutputError:
         )
         # Densities that nobody declared are estimated from all waves.
         equations = equations._replace(shows=search.shows)
-        made = partial(_estimate, problem, sensors, densities)
         fit = fit_as_expected(replace(search, problem=equations))
+        fit, sensors = with_likely_speeds(problem, sensors, fit)
+        made = partial(_estimate, problem, sensors, densities)
 
         def in_world() -> Estimate:
             found = made(fit_in_world(fit, excluded))
