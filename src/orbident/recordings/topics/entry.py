@@ -14,34 +14,10 @@ from orbident.files.schema_parts import (
     Name,
     WrongValueError,
     finite_number,
-    finite_vector,
 )
-from orbident.model.rotations import quaternion_matrix, rotate
-
-Quaternions = Float[np.ndarray, "#n 4"]
-Vectors = Float[np.ndarray, "#n 3"]
-
-
-def product(x: Quaternions, y: Quaternions) -> Quaternions:
-    """`R(x y) = R(x) R(y)`."""
-    u, v = x[:, :3], y[:, :3]
-    a, b = x[:, 3:], y[:, 3:]
-    vector = a * v + b * u + np.cross(u, v)
-    scalar = a * b - np.sum(u * v, axis=1, keepdims=True)
-    return np.concatenate([vector, scalar], axis=1)
-
-
-def conjugate(x: Quaternions) -> Quaternions:
-    """`R(x*) = R(x)^T`."""
-    return x * np.array([-1.0, -1.0, -1.0, 1.0])
-
 
 LONGEST = 2**62
 """ns, 146 years; so far the sum of a time's fields goes, and its offset."""
-TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
-"""What is in, or of, the base's axes."""
-AT_S = {"accelerometer", "position", "velocity", "torque"}
-"""What is of the feature point, or about it."""
 
 
 class Extraction(NamedTuple):
@@ -138,59 +114,3 @@ class Entry(MappingSchema):
     @abstractmethod
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """Samples' values, their quaternions of length one, as columns in SI."""
-
-
-def _rotation(value: object) -> tuple[float, ...]:
-    quaternion = finite_vector(value, 4)
-    norm = float(np.linalg.norm(quaternion))
-    if abs(norm - 1) > 0.01:
-        raise InputError(f"its norm is {norm:.4g}; give a unit quaternion, scalar last")
-    return tuple(each / norm for each in quaternion)
-
-
-class Mounted(Entry):
-    """A sensor that is turned against the base, `x_BS`, and may be at S."""
-
-    frame: Literal["base"] | None = None
-    rotation: (
-        Annotated[tuple[float, float, float, float], BeforeValidator(_rotation)] | None
-    ) = None
-    point: Literal["S"] | None = None
-
-    @property
-    @abstractmethod
-    def sensors(self) -> tuple[str, ...]:
-        """What is taken, as `VECTORS` names it."""
-
-    @model_validator(mode="after")
-    def _stated(self) -> "Mounted":
-        turned = [each for each in self.sensors if each in TURNED]
-        if turned and (self.frame is None) == (self.rotation is None):
-            found = "neither" if self.frame is None else "both"
-            raise InputError(
-                f"{found} of frame and rotation given for {', '.join(turned)}; give "
-                "'frame: base' if the axes are the base's, else 'rotation: [x, y, z, "
-                "w]', which turns vectors from the sensor's axes to the base's"
-            )
-        placed = [each for each in self.sensors if each in AT_S]
-        if placed and self.point is None:
-            raise InputError(
-                f"point missing for {', '.join(placed)}; give 'point: S' if the place "
-                "that is measured is the robot's feature_point, else move that there"
-            )
-        return self
-
-    def in_base(self, v_S: Vectors) -> Vectors:
-        """`v_B = R_BS v_S`."""
-        # Turning by nothing would let a NaN of one axis into the others.
-        if self.rotation is None:
-            return v_S
-        return rotate(quaternion_matrix(self._x_BS), v_S)
-
-    def of_base(self, x_WS: Quaternions) -> Quaternions:
-        """`R_WB = R_WS R_BS^T`."""
-        return x_WS if self.rotation is None else product(x_WS, conjugate(self._x_BS))
-
-    @property
-    def _x_BS(self) -> Quaternions:
-        return np.array([self.rotation], dtype=np.float64)

@@ -20,18 +20,13 @@ from orbident.files.schema_parts import Name
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.topics.any_message import Message
-from orbident.recordings.topics.entry import (
-    Entry,
-    Extraction,
-    Take,
-    conjugate,
-    header_stamp,
-)
+from orbident.recordings.topics.entry import Entry, Extraction, Take, header_stamp
 from orbident.recordings.topics.fields import Filling
 from orbident.recordings.topics.targets import (
     DIMENSION_OF,
     Target,
     Unit,
+    conjugate,
     target_of,
     unit,
 )

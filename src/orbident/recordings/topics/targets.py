@@ -22,7 +22,6 @@ from orbident.recordings.columns import (
     part_of,
     vector_columns,
 )
-from orbident.recordings.topics.entry import TURNED
 from orbident.robot.units import UNITS
 
 DIMENSIONS: Mapping[str, Mapping[str, float]] = {
@@ -162,6 +161,12 @@ _ATTITUDES: Mapping[str, tuple[int, str]] = {
 """How many numbers each form of an attitude has, with an example of their names."""
 
 
+TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
+"""What is in, or of, the base's axes."""
+AT_S = {"accelerometer", "position", "velocity", "torque"}
+"""What is of the feature point, or about it."""
+
+
 @dataclass(frozen=True)
 class Target:
     """A vector, an attitude, or one column."""
@@ -177,13 +182,8 @@ class Target:
     """Of each of its numbers; empty of a quaternion and the like."""
 
     @property
-    def turned(self) -> bool:
-        """Whether it is a whole vector in the base's axes."""
-        return self.name in TURNED
-
-    @property
     def part_of_turned(self) -> bool:
-        """Whether it is one axis of such a vector."""
+        """Whether it is one axis of a vector in the base's axes."""
         return self.name not in VECTORS and self.name.split(".")[0] in TURNED
 
     def in_si(self, raw: Float[np.ndarray, "n width"]) -> Float[np.ndarray, "n K"]:
@@ -203,6 +203,23 @@ def of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
     """`x = (2 s, 1 - s.s) / (1 + s.s)`, modified Rodrigues parameters."""
     square = np.sum(sigma**2, axis=1, keepdims=True)
     return np.hstack([2 * sigma, 1 - square]) / (1 + square)
+
+
+Quaternions = Float[np.ndarray, "#n 4"]
+
+
+def product(x: Quaternions, y: Quaternions) -> Quaternions:
+    """`R(x y) = R(x) R(y)`."""
+    u, v = x[:, :3], y[:, :3]
+    a, b = x[:, 3:], y[:, 3:]
+    vector = a * v + b * u + np.cross(u, v)
+    scalar = a * b - np.sum(u * v, axis=1, keepdims=True)
+    return np.concatenate([vector, scalar], axis=1)
+
+
+def conjugate(x: Quaternions) -> Quaternions:
+    """`R(x*) = R(x)^T`."""
+    return x * np.array([-1.0, -1.0, -1.0, 1.0])
 
 
 def dimension_of(column: str) -> str:
