@@ -49,9 +49,9 @@ class Take(MappingSchema):
         return self
 
     @property
-    def taken(self) -> tuple[str, ...]:
-        """The keys that are given."""
-        return tuple(key for key, value in self if value is not None)
+    def taken(self) -> dict[str, Any]:
+        """The units by the keys that are given."""
+        return {key: unit for key, unit in self if unit is not None}
 
 
 def _offset(value: object) -> float:

@@ -160,7 +160,7 @@ class Filling(Entry):
     @property
     def quaternion(self) -> slice | None:
         """Where the attitude stands, if it is a quaternion."""
-        found = (self.slices[t.name] for t in self.read if t.unit == "quaternion")
+        found = (self.slices[t.name] for t in self.read if t.unit.name == "quaternion")
         return next(found, None)
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
@@ -297,14 +297,15 @@ class Table(Fields):
     def _check_units(self, group: Group) -> None:
         """Refuses a unit that the file itself says is another one."""
         for target in self.targets:
-            units = DIMENSIONS.get(target.dimension, {})
+            unit = target.unit
+            units = DIMENSIONS.get(unit.dimension, {})
             for slot in self._slots_of(target):
                 known = group.unit(slot.field)
                 scaled = abs(slot.factor) != 1 or slot.offset
-                if not scaled and units.get(known, target.si) != target.si:
+                if not scaled and units.get(known, unit.si) != unit.si:
                     raise InputError(
                         f"{group.place}: topic '{group.name}': field '{slot.field}' is "
-                        f"in {known} in the file, but in {target.unit} in the map; "
+                        f"in {known} in the file, but in {unit.name} in the map; "
                         "correct the map, or the file"
                     )
 

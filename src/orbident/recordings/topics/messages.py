@@ -40,8 +40,8 @@ class VectorMessage(Filling):
     @property
     def targets(self) -> list[Target]:
         """What is filled, in the order of `PATHS`."""
-        given = {name: getattr(self.take, name) for name in self.take.taken}
-        return [target_of(name, getattr(u, "name", u)) for name, u in given.items()]
+        given = self.take.taken.items()
+        return [target_of(name, getattr(u, "name", u)) for name, u in given]
 
     @property
     def turned_by_attitude(self) -> bool:
@@ -73,7 +73,7 @@ class Odometry(VectorMessage):
 
     @model_validator(mode="after")
     def _twist_stated(self) -> "Odometry":
-        if self.twist is None and {"velocity", "gyro"} & {*self.take.taken}:
+        if self.twist is None and {"velocity", "gyro"} & self.take.taken.keys():
             raise InputError(
                 "twist missing; give 'twist: child' if the twist is in the child "
                 "frame's axes, as the message's definition has it, or 'twist: parent'"
@@ -181,7 +181,9 @@ class JointStates(Entry):
                 f"take: {position.name} and {velocity.name} are not of one kind of "
                 "joint; give revolute and prismatic joints an entry each"
             )
-        linear = {"length", "velocity"} & {u.dimension for u in self._units}
+        linear = {"length", "velocity"} & {
+            u.dimension for u in self.take.taken.values()
+        }
         if linear and self.wheels:
             raise InputError(
                 "wheels cannot be in units of length; give them their own entry"
@@ -192,11 +194,6 @@ class JointStates(Entry):
                 "of their own"
             )
         return self
-
-    @property
-    def _units(self) -> list[Unit]:
-        taken = self.take
-        return [u for u in (taken.position, taken.velocity, taken.effort) if u]
 
     @property
     def _sources(self) -> tuple[str, ...]:
@@ -240,7 +237,8 @@ class JointStates(Entry):
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """The columns in SI."""
-        return raw * np.repeat([u.si for u in self._units], len(self._sources))
+        si = [u.si for u in self.take.taken.values()]
+        return raw * np.repeat(si, len(self._sources))
 
 
 _POSE = {"position": "pose.position", "attitude": "pose.orientation"}

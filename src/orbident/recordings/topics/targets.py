@@ -53,10 +53,11 @@ def nanoseconds_of(unit: str) -> int | None:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit that was declared."""
+    """A unit that was declared, or the form of an attitude."""
 
     name: str
     dimension: str
+    """Empty of a quaternion and the like."""
     si: float
     """Its value in SI."""
 
@@ -172,14 +173,12 @@ class Target:
     """A vector, an attitude, or one column."""
 
     name: str
-    unit: str
+    unit: Unit
+    """Of each of its numbers."""
     columns: tuple[str, ...]
     width: int
     """Numbers that it is made of."""
     example: str
-    si: float = 1.0
-    dimension: str = ""
-    """Of each of its numbers; empty of a quaternion and the like."""
 
     @property
     def part_of_turned(self) -> bool:
@@ -188,15 +187,15 @@ class Target:
 
     def in_si(self, raw: Float[np.ndarray, "n width"]) -> Float[np.ndarray, "n K"]:
         """The values in SI; an attitude as a unit quaternion, scalar last."""
-        if self.name != "attitude" or self.unit == "quaternion":
-            return raw * self.si
-        if self.unit == "mrp":
+        if self.name != "attitude" or self.unit.name == "quaternion":
+            return raw * self.unit.si
+        if self.unit.name == "mrp":
             return of_mrp(raw)
         # Late: the import takes as long as that of all the rest.
         from scipy.spatial.transform import Rotation
 
         # R = R_z(yaw) R_y(pitch) R_x(roll)
-        return Rotation.from_euler("xyz", raw * self.si).as_quat()
+        return Rotation.from_euler("xyz", raw * self.unit.si).as_quat()
 
 
 def of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
@@ -243,18 +242,17 @@ def target_of(name: str, unit: object) -> Target:
                 + ", ".join(_ATTITUDES)
             )
         width, example = _ATTITUDES[unit]
-        si = DIMENSIONS["angle"].get(unit, 1.0)
         of = "angle" if unit in DIMENSIONS["angle"] else ""
-        return Target(name, unit, vector_columns(name), width, example, si, of)
+        form = Unit(unit, of, DIMENSIONS["angle"].get(unit, 1.0))
+        return Target(name, form, vector_columns(name), width, example)
     dimensions = _dimensions(name)
     try:
         found = unit_of(*dimensions)(unit)
     except InputError as error:
         raise InputError(f"take: {name}: found {unit!r}; {error}") from None
     if name in VECTORS:
-        columns, example = vector_columns(name), "[x, y, z]"
-        return Target(name, found.name, columns, 3, example, found.si, found.dimension)
-    return Target(name, found.name, (name,), 1, "x", found.si, found.dimension)
+        return Target(name, found, vector_columns(name), 3, "[x, y, z]")
+    return Target(name, found, (name,), 1, "x")
 
 
 def _dimensions(name: str) -> tuple[str, ...]:

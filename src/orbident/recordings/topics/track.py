@@ -110,7 +110,13 @@ class Track:
             self.undecodable += 1
             return
         if isinstance(self.entry, Table):
-            self._extend(*self.entry.rows(message))
+            times, raw = self.entry.rows(message)
+            self._labels[()] += len(raw)
+            for start in range(0, len(raw), _BATCH_ROWS):
+                rows = slice(start, start + _BATCH_ROWS)
+                self._stamps.frombytes(bytes(times[rows].nbytes))
+                self._received.frombytes(times[rows].tobytes())
+                self._keep(raw[rows].copy())
             return
         self._last = message
         self._labels[self.entry.labels(message)] += 1
@@ -120,17 +126,6 @@ class Track:
             self._waiting.append(sample.values)
             if len(self._waiting) == _BATCH_ROWS:
                 self._flush()
-
-    def _extend(
-        self, received: Int[np.ndarray, " n"], raw: Float[np.ndarray, "n K"]
-    ) -> None:
-        """Takes all rows of a table, with their times in ns."""
-        self._labels[()] += len(raw)
-        for start in range(0, len(raw), _BATCH_ROWS):
-            rows = slice(start, start + _BATCH_ROWS)
-            self._stamps.frombytes(bytes(received[rows].nbytes))
-            self._received.frombytes(received[rows].tobytes())
-            self._keep(raw[rows].copy())
 
     @property
     def messages(self) -> int:
