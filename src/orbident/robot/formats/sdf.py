@@ -22,7 +22,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
-from orbident.files.names import quoted, suggestion
+from orbident.files.names import check_known, quoted
 from orbident.robot.urdf import UNLIMITED, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 from orbident.robot.urdf_reader import numbers_in, parsed_xml, unique_names
 
@@ -88,12 +88,9 @@ class Frames:
                     f"{self._place}: the pose of {quoted(name)} is relative to "
                     "itself; correct its relative_to"
                 )
-            if name not in self._frames:
-                of = f"{quoted(chain[-1])} is" if chain else "an axis is"
-                raise InputError(
-                    f"{self._place}: {of} relative to {quoted(name)}, which is not in "
-                    f"the file; {suggestion(name, self._frames, 'frames')}"
-                )
+            of = f"{quoted(chain[-1])} is" if chain else "an axis is"
+            fault = f"{of} relative to {quoted(name)}, which is not in the file"
+            check_known(name, self._frames, f"{self._place}: {fault}", "frames")
             chain.append(name)
             element, default = self._frames[name]
             pose = element.find("pose")
@@ -250,11 +247,8 @@ class _SdfReader:
         name = self.frames.carrier(name, where)
         if name == WORLD and end == "parent":
             return WORLD
-        if name not in self.links:
-            raise InputError(
-                f"{where}: the {end} link {quoted(name)} is not in the file; "
-                + suggestion(name, self.links, "links")
-            )
+        fault = f"{where}: the {end} link {quoted(name)} is not in the file"
+        check_known(name, self.links, fault, "links")
         return name
 
     def _text(self, element: ET.Element, tag: str, where: str) -> str:
