@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -20,13 +20,9 @@ LONGEST = 2**62
 """ns, 146 years; so far the sum of a time's fields goes, and its offset."""
 
 
-class Extraction(NamedTuple):
-    """What an entry takes from one message."""
-
-    stamp: int | None
-    """The header's, ns; None for a type without a header."""
-    values: Sequence[float]
-    """As they are in the message; NaN where it has none."""
+Extraction = tuple[int, Sequence[float]]
+"""What an entry takes from one message: the sender's stamp, ns, 0 where there is none,
+and values as they are in the message, NaN where it has none."""
 
 
 def header_stamp(header: Any) -> int:

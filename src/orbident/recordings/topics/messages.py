@@ -63,7 +63,7 @@ class VectorMessage(Filling):
     def samples(self, message: Any) -> Iterator[Extraction]:
         """One, whose numbers are in the order of `read`."""
         header, *values = self._values(message)
-        yield Extraction(header_stamp(header), values)
+        yield header_stamp(header), values
 
 
 class Odometry(VectorMessage):
@@ -233,7 +233,7 @@ class JointStates(Entry):
             for name in self._sources:
                 k = index.get(name, len(given))
                 values.append(given[k] if k < len(given) else nan)
-        yield Extraction(header_stamp(message.header), values)
+        yield header_stamp(message.header), values
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """The columns in SI."""

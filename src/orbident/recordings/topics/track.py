@@ -120,10 +120,10 @@ class Track:
             return
         self._last = message
         self._labels[self.entry.labels(message)] += 1
-        for sample in self.entry.samples(message):
-            self._stamps.append(sample.stamp or 0)
+        for stamp, values in self.entry.samples(message):
+            self._stamps.append(stamp)
             self._received.append(received)
-            self._waiting.append(sample.values)
+            self._waiting.append(values)
             if len(self._waiting) == _BATCH_ROWS:
                 self._flush()
 
