@@ -270,12 +270,9 @@ def _with_keys(
 ) -> type[VectorMessage]:
     """The entry of a message from which these can be taken."""
     units: dict[str, Any] = {
-        name: Annotated[Unit, unit(DIMENSION_OF[name])]
-        for name in names
-        if name != "attitude"
+        name: Annotated[Unit, unit(of)] for name, of in DIMENSION_OF.items()
     }
-    if "attitude" in names:
-        units["attitude"] = Literal["quaternion"]
+    units["attitude"] = Literal["quaternion"]
     keys: dict[str, Any] = {name: (units[name] | None, None) for name in names}
     take = create_model("VectorTake", __base__=Take, **keys)
     return create_model(kind.__name__, __base__=kind, take=(take, ...))
