@@ -79,7 +79,7 @@ def suggestion(name: str, known: Iterable[str], what: str) -> str:
     return f"{hint}known {what}: {listed(known)}"
 
 
-def check_known(name: str, known: Collection[str], fault: str, what: str) -> None:
+def refuse_unknown(name: str, known: Collection[str], fault: str, what: str) -> None:
     """Refuse a name that is not known, in words; `what` is a plural, such as "joints".
 
     Raises:

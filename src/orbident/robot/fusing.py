@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.names import check_known, listed
+from orbident.files.names import listed, refuse_unknown
 from orbident.robot.description import Joint
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -54,7 +54,7 @@ def link_tree(urdf: Urdf, base_link: str | None = None) -> LinkTree:
     root = _root(urdf, above)
     if base_link is not None:
         fault = f"{urdf.place}: base_link: no link {base_link!r}"
-        check_known(base_link, links, fault, "links")
+        refuse_unknown(base_link, links, fault, "links")
     tree = LinkTree(root, links, _children(urdf.joints), urdf.place)
     if base_link is None:
         tree = replace(tree, base=_below_world(tree))
@@ -242,7 +242,7 @@ def wheel_on_joint(
     """
     key = f"{where}.joint"
     joints = {j.name: j for below in tree.children.values() for j in below}
-    check_known(joint_name, joints, f"{key}: no joint {joint_name!r}", "joints")
+    refuse_unknown(joint_name, joints, f"{key}: no joint {joint_name!r}", "joints")
     joint = joints[joint_name]
     if joint.kind not in {"revolute", "continuous"}:
         raise InputError(

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from pydantic import BeforeValidator
 
 from orbident.errors import InputError
-from orbident.files.names import check_known, quoted
+from orbident.files.names import quoted, refuse_unknown
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
 from orbident.robot.description import (
     NO_ROTOR,
@@ -337,7 +337,7 @@ def with_flexible_joints(
     rotors = document.get("rotors", {})
     for name, spring in document["flexible"].items():
         fault = f"{place}: flexible: no joint {name!r} that turns"
-        check_known(name, joints, fault, "ones")
+        refuse_unknown(name, joints, fault, "ones")
         if name in passive:
             raise InputError(
                 f"{place}: flexible.{name}: the joint is passive, and a flexible one "

@@ -14,7 +14,7 @@ from pydantic import (
 )
 
 from orbident.errors import InputError
-from orbident.files.names import check_known, first_duplicate, quoted
+from orbident.files.names import first_duplicate, quoted, refuse_unknown
 from orbident.files.schema_parts import (
     Direction,
     MappingSchema,
@@ -125,7 +125,7 @@ class TolerancesEntry(
         for name in given["joints"]:
             if name != EVERY:
                 fault = f"{place}: tolerances.joints: no joint {name!r}"
-                check_known(name, names, fault, "joints")
+                refuse_unknown(name, names, fault, "joints")
         every = given["joints"].get(EVERY)
         own = {each.name: given["joints"].get(each.name, every) for each in joints}
         alike = {"thruster_scale": min((each.gain for each in thrusters), default=0.0)}

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
-from orbident.files.names import check_known, first_duplicate, quoted
+from orbident.files.names import first_duplicate, quoted, refuse_unknown
 from orbident.robot.urdf import KINDS, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 
 _ORIGIN = {"origin xyz": (0.0, 0.0, 0.0), "origin rpy": (0.0, 0.0, 0.0)}
@@ -145,7 +145,7 @@ def _end(joint: ET.Element, end: str, where: str, links: Names) -> str:
     if link is None:
         raise InputError(f"{where}: <{end} link=...> is missing; add it")
     fault = f"{where}: the {end} link '{link}' is not in the file"
-    check_known(link, links, fault, "links")
+    refuse_unknown(link, links, fault, "links")
     return link
 
 
@@ -157,7 +157,7 @@ def _mimic(
         return None
     leader = element.get("joint", "")
     fault = f"{where}: <mimic>: no joint {quoted(leader)}"
-    check_known(leader, joints, fault, "joints")
+    refuse_unknown(leader, joints, fault, "joints")
     return Mimic(leader, *numbers["mimic multiplier"], *numbers["mimic offset"])
 
 

@@ -22,7 +22,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
-from orbident.files.names import check_known, quoted
+from orbident.files.names import quoted, refuse_unknown
 from orbident.robot.urdf import UNLIMITED, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 from orbident.robot.urdf_reader import numbers_in, parsed_xml, unique_names
 
@@ -90,7 +90,7 @@ class Frames:
                 )
             of = f"{quoted(chain[-1])} is" if chain else "an axis is"
             fault = f"{of} relative to {quoted(name)}, which is not in the file"
-            check_known(name, self._frames, f"{self._place}: {fault}", "frames")
+            refuse_unknown(name, self._frames, f"{self._place}: {fault}", "frames")
             chain.append(name)
             element, default = self._frames[name]
             pose = element.find("pose")
@@ -248,7 +248,7 @@ class _SdfReader:
         if name == WORLD and end == "parent":
             return WORLD
         fault = f"{where}: the {end} link {quoted(name)} is not in the file"
-        check_known(name, self.links, fault, "links")
+        refuse_unknown(name, self.links, fault, "links")
         return name
 
     def _text(self, element: ET.Element, tag: str, where: str) -> str:

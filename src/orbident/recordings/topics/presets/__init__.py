@@ -4,7 +4,7 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-from orbident.files.names import check_known, quoted
+from orbident.files.names import quoted, refuse_unknown
 
 _FOLDER = Path(str(files(__name__)))
 
@@ -31,5 +31,5 @@ def known_preset(name: str) -> str:
         InputError: There is none.
     """
     fault = f"--preset {quoted(name)}: there is no such map"
-    check_known(name, presets(), fault, "presets")
+    refuse_unknown(name, presets(), fault, "presets")
     return name
