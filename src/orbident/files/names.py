@@ -3,12 +3,12 @@
 import struct
 import zipfile
 import zlib
-from collections.abc import Hashable, Iterable
+from collections.abc import Collection, Hashable, Iterable
 from difflib import get_close_matches
 from itertools import accumulate
 from typing import TypeVar
 
-from orbident.errors import QUOTED
+from orbident.errors import QUOTED, InputError
 
 Name = TypeVar("Name", bound=Hashable)
 
@@ -77,6 +77,16 @@ def suggestion(name: str, known: Iterable[str], what: str) -> str:
     close = closest(name, known)
     hint = f"did you mean {quoted(close)}? " if close else ""
     return f"{hint}known {what}: {listed(known)}"
+
+
+def refuse_unknown(name: str, known: Collection[str], fault: str, what: str) -> None:
+    """Refuse a name that is not known, in words; `what` is a plural, such as "joints".
+
+    Raises:
+        InputError: it is not: the fault, and a suggestion.
+    """
+    if name not in known:
+        raise InputError(f"{fault}; {suggestion(name, known, what)}")
 
 
 def first_duplicate(names: Iterable[Name]) -> Name | None:

@@ -22,11 +22,9 @@ def derivatives(t: Float[np.ndarray, " n"], x: Samples) -> tuple[Samples, Sample
     by = np.linalg.pinv(np.vander(k, DEGREE + 1, increasing=True))
     scale = HALF * float(np.median(np.diff(t)))
     order = np.array([[1.0 / scale], [2.0 / scale**2]])
-    first, second = np.insert(by, HALF, 0.0, axis=1)[1:3] * order
-    return _filtered(x, first), _filtered(x, second)
-
-
-def _filtered(x: Samples, weights: Float[np.ndarray, " around"]) -> Samples:
-    """What neighbours of each sample give with their weights."""
     padded = np.pad(x, ((HALF, HALF), (0, 0)), mode="reflect", reflect_type="odd")
-    return np.column_stack([np.correlate(axis, weights, "valid") for axis in padded.T])
+    first, second = (
+        np.column_stack([np.correlate(axis, weights, "valid") for axis in padded.T])
+        for weights in np.insert(by, HALF, 0.0, axis=1)[1:3] * order
+    )
+    return first, second

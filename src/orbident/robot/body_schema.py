@@ -170,10 +170,17 @@ def tree_of_table(table: DhTable, name: str, place: str) -> Urdf:
     # Frame i - 1 in the parent's link frame.
     R, p = rotation_of(np.array(base.rpy)), np.array(base.xyz)
     for k, row in enumerate(table.rows, start=1):
+        R_x = rotation_of(np.array([row.alpha, 0.0, 0.0]))
+        R_z = rotation_of(np.array([0.0, 0.0, row.theta]))
+        along, axis = np.array([row.a, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        # The joint from frame i - 1, in its axes; frame i from the joint, in i's axes.
         if table.convention == "modified":
-            R_row, to_joint, behind, axis = _modified(row)
+            R_row, to_joint = R_x @ R_z, along + R_x @ (row.d * axis)
+            behind = np.zeros(3)
         else:
-            R_row, to_joint, behind, axis = _standard(row)
+            R_row, to_joint = R_z @ R_x, np.zeros(3)
+            axis = R_x.T @ axis
+            behind = along + row.d * axis
         link = row.link or f"link{k}"
         links.append(row.as_link(link, behind))
         joints.append(
@@ -183,24 +190,3 @@ def tree_of_table(table: DhTable, name: str, place: str) -> Urdf:
         )
         parent, R, p = link, np.eye(3), behind
     return Urdf(name, tuple(links), tuple(joints), place)
-
-
-def _standard(row: DhRow) -> tuple[Float[np.ndarray, "..."], ...]:
-    """Axes of frame i in those of i - 1; joint; DH frame i from there; axis in i."""
-    R = rotation_of(np.array([0.0, 0.0, row.theta])) @ _about_x(row.alpha)
-    c, s = np.cos(row.alpha), np.sin(row.alpha)
-    behind = np.array([row.a, row.d * s, row.d * c])
-    return R, np.zeros(3), behind, np.array([0.0, s, c])
-
-
-def _modified(row: DhRow) -> tuple[Float[np.ndarray, "..."], ...]:
-    """The same where the joint is at frame i itself."""
-    turned = _about_x(row.alpha)
-    R = turned @ rotation_of(np.array([0.0, 0.0, row.theta]))
-    z = np.array([0.0, 0.0, 1.0])
-    to_joint = np.array([row.a, 0.0, 0.0]) + turned @ (row.d * z)
-    return R, to_joint, np.zeros(3), z
-
-
-def _about_x(angle: float) -> Float[np.ndarray, "3 3"]:
-    return rotation_of(np.array([angle, 0.0, 0.0]))

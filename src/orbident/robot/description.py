@@ -84,13 +84,10 @@ class Joint:
         Where there is one stop, the other limit is twice as far from it.
         """
         low, high = self.position or (-math.inf, math.inf)
-        if math.isinf(low) and math.isinf(high):
-            return -far, far
-        if math.isinf(high):
-            return low, max(low, -far) + 2 * far
-        if math.isinf(low):
-            return min(high, far) - 2 * far, high
-        return low, high
+        return (
+            min(high, far) - 2 * far if math.isinf(low) else low,
+            max(low, -far) + 2 * far if math.isinf(high) else high,
+        )
 
 
 class Coupling(NamedTuple):

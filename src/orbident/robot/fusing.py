@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.names import listed, suggestion
+from orbident.files.names import listed, refuse_unknown
 from orbident.robot.description import Joint
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -52,11 +52,9 @@ def link_tree(urdf: Urdf, base_link: str | None = None) -> LinkTree:
     links = {link.name: link for link in urdf.links}
     above = _joint_above_each_link(urdf)
     root = _root(urdf, above)
-    if base_link is not None and base_link not in links:
-        raise InputError(
-            f"{urdf.place}: base_link: no link {base_link!r}; "
-            + suggestion(base_link, links, "links")
-        )
+    if base_link is not None:
+        fault = f"{urdf.place}: base_link: no link {base_link!r}"
+        refuse_unknown(base_link, links, fault, "links")
     tree = LinkTree(root, links, _children(urdf.joints), urdf.place)
     if base_link is None:
         tree = replace(tree, base=_below_world(tree))
@@ -244,12 +242,8 @@ def wheel_on_joint(
     """
     key = f"{where}.joint"
     joints = {j.name: j for below in tree.children.values() for j in below}
-    joint = joints.get(joint_name)
-    if joint is None:
-        raise InputError(
-            f"{key}: no joint {joint_name!r}; "
-            + suggestion(joint_name, joints, "joints")
-        )
+    refuse_unknown(joint_name, joints, f"{key}: no joint {joint_name!r}", "joints")
+    joint = joints[joint_name]
     if joint.kind not in {"revolute", "continuous"}:
         raise InputError(
             f"{key}: joint '{joint_name}' is {joint.kind}; a wheel needs a revolute "

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from pydantic import BeforeValidator
 
 from orbident.errors import InputError
-from orbident.files.names import quoted, suggestion
+from orbident.files.names import quoted, refuse_unknown
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
 from orbident.robot.description import (
     NO_ROTOR,
@@ -336,11 +336,8 @@ def with_flexible_joints(
     structure = dict(document.get("structure", {}))
     rotors = document.get("rotors", {})
     for name, spring in document["flexible"].items():
-        if name not in joints:
-            raise InputError(
-                f"{place}: flexible: no joint {name!r} that turns; "
-                + suggestion(name, joints, "ones")
-            )
+        fault = f"{place}: flexible: no joint {name!r} that turns"
+        refuse_unknown(name, joints, fault, "ones")
         if name in passive:
             raise InputError(
                 f"{place}: flexible.{name}: the joint is passive, and a flexible one "

@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 
 from orbident.errors import InputError
-from orbident.files.names import suggestion
+from orbident.files.names import refuse_unknown, suggestion
 from orbident.files.replacing import write_text
 from orbident.files.schema_parts import read_yaml_mapping, validated
 from orbident.files.text import read_text, refuse_pipe
@@ -188,11 +188,8 @@ def _check_names(
     ):
         for section, named in sections.items():
             for name in named:
-                if name not in known:
-                    raise InputError(
-                        f"{place}: {section}: no {one} {name!r}; "
-                        + suggestion(name, known, several)
-                    )
+                fault = f"{place}: {section}: no {one} {name!r}"
+                refuse_unknown(name, known, fault, several)
 
 
 _SCHEMA = "orbident/robot/1"

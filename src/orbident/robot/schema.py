@@ -14,7 +14,7 @@ from pydantic import (
 )
 
 from orbident.errors import InputError
-from orbident.files.names import first_duplicate, quoted, suggestion
+from orbident.files.names import first_duplicate, quoted, refuse_unknown
 from orbident.files.schema_parts import (
     Direction,
     MappingSchema,
@@ -123,11 +123,9 @@ class TolerancesEntry(
         given: dict[str, Any] = dict(self)
         names = [joint.name for joint in joints]
         for name in given["joints"]:
-            if name not in (*names, EVERY):
-                raise InputError(
-                    f"{place}: tolerances.joints: no joint {name!r}; "
-                    + suggestion(name, names, "joints")
-                )
+            if name != EVERY:
+                fault = f"{place}: tolerances.joints: no joint {name!r}"
+                refuse_unknown(name, names, fault, "joints")
         every = given["joints"].get(EVERY)
         own = {each.name: given["joints"].get(each.name, every) for each in joints}
         alike = {"thruster_scale": min((each.gain for each in thrusters), default=0.0)}

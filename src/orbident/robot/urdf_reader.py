@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
-from orbident.files.names import first_duplicate, quoted, suggestion
+from orbident.files.names import first_duplicate, quoted, refuse_unknown
 from orbident.robot.urdf import KINDS, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 
 _ORIGIN = {"origin xyz": (0.0, 0.0, 0.0), "origin rpy": (0.0, 0.0, 0.0)}
@@ -144,11 +144,8 @@ def _end(joint: ET.Element, end: str, where: str, links: Names) -> str:
     link = None if found is None else found.get("link")
     if link is None:
         raise InputError(f"{where}: <{end} link=...> is missing; add it")
-    if link not in links:
-        raise InputError(
-            f"{where}: the {end} link '{link}' is not in the file; "
-            + suggestion(link, links, "links")
-        )
+    fault = f"{where}: the {end} link '{link}' is not in the file"
+    refuse_unknown(link, links, fault, "links")
     return link
 
 
@@ -159,11 +156,8 @@ def _mimic(
     if element is None:
         return None
     leader = element.get("joint", "")
-    if leader not in joints:
-        raise InputError(
-            f"{where}: <mimic>: no joint {quoted(leader)}; "
-            + suggestion(leader, joints, "joints")
-        )
+    fault = f"{where}: <mimic>: no joint {quoted(leader)}"
+    refuse_unknown(leader, joints, fault, "joints")
     return Mimic(leader, *numbers["mimic multiplier"], *numbers["mimic offset"])
 
 

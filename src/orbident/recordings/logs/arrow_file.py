@@ -168,7 +168,11 @@ def read_text_table(path: Path, stack: ExitStack) -> Tree:
     except pa.ArrowInvalid:
         # Arrow gives no row that is not UTF-8 to what leaves rows out.
         csv_lines(path)
-        table = _without_comments(path, dialect)
+        try:
+            table = _table(path, dialect, dialect.parse_options())
+        except pa.ArrowInvalid:
+            _refuse_uneven(path, dialect)
+            raise
     columns, width = table.columns, table.num_columns
     names = dialect.names or tuple(str(k) for k in range(width))
     fields = fields_of(columns, names, dialect.units or [""] * width, str(path))
@@ -220,14 +224,6 @@ def _table(path: Path, dialect: TextDialect, parse: arrow_csv.ParseOptions) -> p
     )
     with opened_table(path, dialect) as file:
         return arrow_csv.read_csv(file, read, parse, convert)
-
-
-def _without_comments(path: Path, dialect: TextDialect) -> pa.Table:
-    try:
-        return _table(path, dialect, dialect.parse_options())
-    except pa.ArrowInvalid:
-        _refuse_uneven(path, dialect)
-        raise
 
 
 def _refuse_uneven(path: Path, dialect: TextDialect) -> None:

@@ -37,16 +37,8 @@ class MatStream:
         """Bytes up to the end of the file."""
         self.at = 0
         """Bytes that were read or passed over, as they are decompressed."""
-        self._inflate = zlib.decompressobj()
-        self._read, self._packed, self._ready = 0, b"", memoryview(b"")
-
-    def again(self) -> "MatStream":
-        """The same from its beginning."""
-        return MatStream(self.file, self.begin, self.packed)
-
-    def ended(self) -> bool:
-        """Whether plain data were read to the end of the file."""
-        return self.at >= self.size
+        self._pieces = self._plain(self.size) if packed is None else self._inflated()
+        self._ready = memoryview(b"")
 
     def take(self, count: int) -> bytes:
         """So many bytes, which are few.
@@ -82,8 +74,8 @@ class MatStream:
         if offset < self.at:
             raise ValueError("an element is longer than what it is in")
         if self.packed is None and offset > self.at + len(self._ready):
-            self._read = self.at = offset
-            self._ready = memoryview(b"")
+            self._pieces, self._ready = self._plain(self.size, offset), memoryview(b"")
+            self.at = offset
         while self.at < offset:
             self._next(offset - self.at)
 
@@ -93,35 +85,35 @@ class MatStream:
         Raises:
             zlib.error: The checksum is another one.
         """
-        while self._ready or self._filled():
-            self._ready = memoryview(b"")
+        for _ in self._pieces:
+            pass
 
     def _next(self, count: int) -> memoryview:
         """At most so many of the bytes that come next, at least one."""
-        if not (self._ready or self._filled()):
+        if not self._ready:
+            self._ready = memoryview(next(self._pieces, b""))
+        if not self._ready:
             raise ValueError("it ends within a variable, so it is cut off or damaged")
         piece, self._ready = self._ready[:count], self._ready[count:]
         self.at += len(piece)
         return piece
 
-    def _filled(self) -> bool:
-        """Make the next piece ready, if there is one."""
-        if self.packed is None:
-            self._ready = memoryview(self._from_file(self.size))
-            return bool(self._ready)
-        while not (self._inflate.eof or self._ready):
-            packed = self._packed or self._from_file(self.packed)
-            self._ready = memoryview(self._inflate.decompress(packed, _PIECE))
-            self._packed = self._inflate.unconsumed_tail
-            if not packed:
-                break
-        return bool(self._ready)
+    def _plain(self, end: int, start: int = 0) -> Iterator[bytes]:
+        """The bytes of the file between two offsets, piece by piece."""
+        for at in range(start, end, _PIECE):
+            # Other streams read the same file in between.
+            self.file.seek(self.begin + at)
+            yield self.file.read(min(_PIECE, end - at))
 
-    def _from_file(self, size: int) -> bytes:
-        self.file.seek(self.begin + self._read)
-        found = self.file.read(max(min(_PIECE, size - self._read), 0))
-        self._read += len(found)
-        return found
+    def _inflated(self) -> Iterator[bytes]:
+        """What the packed bytes hold, piece by piece."""
+        inflate = zlib.decompressobj()
+        for packed in self._plain(self.packed or 0):
+            while piece := inflate.decompress(packed, _PIECE):
+                yield piece
+                packed = inflate.unconsumed_tail
+            if inflate.eof:
+                return
 
 
 _NUMBERS = {
@@ -173,7 +165,7 @@ def variables(file: BinaryIO) -> Tree:
     found = {}
     whole = MatStream(file, _HEADER)
     parser = _Parser(order)
-    while not whole.ended():
+    while whole.at < whole.size:
         element = parser.element(whole, whole.size)
         stream, end = whole, element.end
         if element.kind == _COMPRESSED:
@@ -269,7 +261,7 @@ class _Parser:
         at = stream.at
 
         def read() -> np.ndarray:
-            again = stream.again()
+            again = MatStream(stream.file, stream.begin, stream.packed)
             again.skip_to(at)
             numbers = again.numbers(dtype, count)
             native = numbers.astype(dtype.newbyteorder("="), copy=False)

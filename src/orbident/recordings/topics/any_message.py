@@ -104,7 +104,7 @@ class Message(Fields):
             (s.factor * self._number(message, s.field) if s.field else 0.0) + s.offset
             for s in self.slots
         ]
-        yield Extraction(self._sent(message), values)
+        yield self._sent(message), values
 
     def lacked(self, message: Any, column: str) -> str:
         """The element that an array never has, and those that it has."""
@@ -117,12 +117,12 @@ class Message(Fields):
                         return f"'{path}': there is no '{key}'; {known}"
         return ""
 
-    def _sent(self, message: Any) -> int | None:
+    def _sent(self, message: Any) -> int:
         if not self.stamp:
             return header_stamp(getattr(message, "header", None))
         units = zip(self.stamp, self.counts, strict=True)
         ns = sum(self._number(message, field) * count for field, count in units)
-        return round(ns) if 0 < ns < LONGEST else None
+        return round(ns) if 0 < ns < LONGEST else 0
 
     def _number(self, message: Any, path: str) -> int | float:
         """A number of the message; NaN where an array has no such element.

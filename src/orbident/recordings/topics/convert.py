@@ -120,7 +120,7 @@ def topic_report(
     timed: Timed, start_ns: int, emptied: dict[str, dict[str, int]]
 ) -> TopicReport:
     """The counts of one entry."""
-    values, entry = timed.values, timed.values.entry
+    track, entry = timed.track, timed.track.entry
     stamps = timed.stamps
     interval = float(np.median(np.diff(stamps))) if stamps.size > 1 else None
     return TopicReport(
@@ -129,12 +129,12 @@ def topic_report(
         columns=entry.columns,
         clock=entry.clock,
         time=timed.clock,
-        messages=values.messages,
+        messages=track.messages,
         used=stamps.size,
         rejected=timed.rejected,
         duplicate_differs=timed.duplicate_differs,
-        incomplete=values.incomplete,
-        not_finite=values.not_finite,
+        incomplete=track.incomplete,
+        not_finite=track.not_finite,
         emptied=emptied,
         out_of_order=timed.out_of_order,
         rate=None if interval is None else 1e9 / interval,
@@ -163,13 +163,13 @@ _LATE = 1.0
 
 def clocks_apart(used: Sequence[Timed]) -> tuple[str, ...]:
     """A warning where senders' clocks differ by more than messages take."""
-    heard = [each for each in used if each.clock == each.values.entry.sender_time]
+    heard = [each for each in used if each.clock == each.track.entry.sender_time]
     if not heard:
         return ()
     first, last = (pick(heard, key=lambda each: each.ahead) for pick in (min, max))
     if (behind := last.ahead - first.ahead) < _LATE:
         return ()
-    name, other = (each.values.entry.topic for each in (first, last))
+    name, other = (each.track.entry.topic for each in (first, last))
     return (
         f"the clock of '{name}' is {behind:.3f} s behind that of '{other}', by when "
         f"the messages were recorded: give '{name}' 'offset: {behind:.3f}', added to "
@@ -189,18 +189,18 @@ def emptied(
 
     How many samples that are is said by sensor and reason.
     """
-    names = used.values.entry.columns
+    names = used.track.entry.columns
     groups = [
         (sensor, [names.index(name) for name in columns])
         for sensor, columns in sensor_groups(names).items()
     ]
     empty = np.zeros((used.order.size, len(names)), dtype=bool)
     reasons = defaultdict[str, Counter[str]](Counter)
-    if used.values.zeros:
-        reasons["attitude"]["quaternion of zeros"] = used.values.zeros
+    if used.track.zeros:
+        reasons["attitude"]["quaternion of zeros"] = used.track.zeros
     for start in range(0, used.order.size, _LOOKED_AT):
         rows = slice(start, start + _LOOKED_AT)
-        block = used.values.rows.gather(used.order[rows])
+        block = used.track.rows.gather(used.order[rows])
         for sensor, columns in groups:
             for reason, mask in no_measurements(sensor, block[:, columns]).items():
                 empty[start + np.flatnonzero(mask)[:, None], columns] = True
@@ -263,8 +263,7 @@ def convert_file(
         ]
         try:
             _collect(source, tracks, mapped, said)
-            place = str(source.path)
-            used = [timed(*track.finished(place), place) for track in tracks]
+            used = [timed(track, str(source.path)) for track in tracks]
             report = _written(used, str(file), out, said)
         finally:
             for track in tracks:
@@ -311,7 +310,7 @@ def _written(
     rows, indices = common_rows([each.stamps for each in used])
     if rows.size < 2:
         raise InputError(f"{file}: has a single sample; at least 2 are needed")
-    names = ["t", *(name for each in used for name in each.values.entry.columns)]
+    names = ["t", *(name for each in used for name in each.track.entry.columns)]
     empty, reasons = zip(*map(emptied, used), strict=True)
     write_blocks(out, names, _blocks(used, empty, rows, indices, said))
     start_ns = int(rows[0])
@@ -337,14 +336,14 @@ def _blocks(
     indices: Sequence[np.ndarray],
     said: Callable[[float], None],
 ) -> Iterator[np.ndarray]:
-    edges = np.cumsum([1, *(len(each.values.entry.columns) for each in used)])
+    edges = np.cumsum([1, *(len(each.track.entry.columns) for each in used)])
     for start in range(0, rows.size, _BLOCK_ROWS):
         stop = min(start + _BLOCK_ROWS, rows.size)
         block = np.full((stop - start, int(edges[-1])), np.nan)
         block[:, 0] = (rows[start:stop] - rows[0]) / 1e9
         for k, each in enumerate(used):
             low, high = np.searchsorted(indices[k], [start, stop])
-            values = each.values.rows.gather(each.order[low:high])
+            values = each.track.rows.gather(each.order[low:high])
             values = np.where(empty[k][low:high], np.nan, values)
             block[indices[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block

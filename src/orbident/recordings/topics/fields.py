@@ -11,15 +11,20 @@ from jaxtyping import Float, Int
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import Name, WrongValueError
+from orbident.files.schema_parts import Name, WrongValueError, finite_vector
+from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.entry import LONGEST, Entry, Mounted
+from orbident.recordings.topics.entry import LONGEST, Entry
 from orbident.recordings.topics.targets import (
+    AT_S,
     DIMENSIONS,
     TIMES,
+    TURNED,
     Slot,
     Target,
+    conjugate,
     nanoseconds_of,
+    product,
     slots_of,
     target_of,
 )
@@ -89,8 +94,25 @@ def _nanoseconds(
     return np.round(values * factor).astype(np.int64)
 
 
-class Filling(Mounted):
-    """What fills columns with numbers: of a message, or of fields."""
+def _rotation(value: object) -> tuple[float, ...]:
+    quaternion = finite_vector(value, 4)
+    norm = float(np.linalg.norm(quaternion))
+    if abs(norm - 1) > 0.01:
+        raise InputError(f"its norm is {norm:.4g}; give a unit quaternion, scalar last")
+    return tuple(each / norm for each in quaternion)
+
+
+class Filling(Entry):
+    """What fills columns with numbers: of a message, or of fields.
+
+    Its sensor is turned against the base, `x_BS`, and may be at S.
+    """
+
+    frame: Literal["base"] | None = None
+    rotation: (
+        Annotated[tuple[float, float, float, float], BeforeValidator(_rotation)] | None
+    ) = None
+    point: Literal["S"] | None = None
 
     @property
     @abstractmethod
@@ -102,10 +124,25 @@ class Filling(Mounted):
         """What a sample's values are of, in their order: the targets first."""
         return self.targets
 
-    @property
-    def sensors(self) -> tuple[str, ...]:
-        """Each sensor once; of `gyro.z` it is the gyro."""
-        return tuple(dict.fromkeys(each.name.split(".")[0] for each in self.targets))
+    @model_validator(mode="after")
+    def _stated(self) -> "Filling":
+        # Of `gyro.z` it is the gyro.
+        sensors = dict.fromkeys(each.name.split(".")[0] for each in self.targets)
+        turned = [each for each in sensors if each in TURNED]
+        if turned and (self.frame is None) == (self.rotation is None):
+            found = "neither" if self.frame is None else "both"
+            raise InputError(
+                f"{found} of frame and rotation given for {', '.join(turned)}; give "
+                "'frame: base' if the axes are the base's, else 'rotation: [x, y, z, "
+                "w]', which turns vectors from the sensor's axes to the base's"
+            )
+        placed = [each for each in sensors if each in AT_S]
+        if placed and self.point is None:
+            raise InputError(
+                f"point missing for {', '.join(placed)}; give 'point: S' if the place "
+                "that is measured is the robot's feature_point, else move that there"
+            )
+        return self
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -123,18 +160,21 @@ class Filling(Mounted):
     @property
     def quaternion(self) -> slice | None:
         """Where the attitude stands, if it is a quaternion."""
-        found = (self.slices[t.name] for t in self.read if t.unit == "quaternion")
+        found = (self.slices[t.name] for t in self.read if t.unit.name == "quaternion")
         return next(found, None)
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """The columns in SI and base axes."""
+        """The columns in SI and base axes: `v_B = R_BS v_S`, `R_WB = R_WS R_BS^T`."""
         parts = []
         for target in self.targets:
             values = target.in_si(raw[:, self.slices[target.name]])
-            if target.name == "attitude":
-                values = self.of_base(values)
-            elif target.turned:
-                values = self.in_base(values)
+            # Turning by nothing would let a NaN of one axis into the others.
+            if self.rotation is not None and target.name in TURNED:
+                x_BS = np.array([self.rotation])
+                if target.name == "attitude":
+                    values = product(values, conjugate(x_BS))
+                else:
+                    values = rotate(quaternion_matrix(x_BS), values)
             parts.append(values)
         return np.hstack(parts)
 
@@ -257,14 +297,15 @@ class Table(Fields):
     def _check_units(self, group: Group) -> None:
         """Refuses a unit that the file itself says is another one."""
         for target in self.targets:
-            units = DIMENSIONS.get(target.dimension, {})
+            unit = target.unit
+            units = DIMENSIONS.get(unit.dimension, {})
             for slot in self._slots_of(target):
                 known = group.unit(slot.field)
                 scaled = abs(slot.factor) != 1 or slot.offset
-                if not scaled and units.get(known, target.si) != target.si:
+                if not scaled and units.get(known, unit.si) != unit.si:
                     raise InputError(
                         f"{group.place}: topic '{group.name}': field '{slot.field}' is "
-                        f"in {known} in the file, but in {target.unit} in the map; "
+                        f"in {known} in the file, but in {unit.name} in the map; "
                         "correct the map, or the file"
                     )
 

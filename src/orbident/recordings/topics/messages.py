@@ -20,18 +20,13 @@ from orbident.files.schema_parts import Name
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.topics.any_message import Message
-from orbident.recordings.topics.entry import (
-    Entry,
-    Extraction,
-    Take,
-    conjugate,
-    header_stamp,
-)
+from orbident.recordings.topics.entry import Entry, Extraction, Take, header_stamp
 from orbident.recordings.topics.fields import Filling
 from orbident.recordings.topics.targets import (
     DIMENSION_OF,
     Target,
     Unit,
+    conjugate,
     target_of,
     unit,
 )
@@ -45,8 +40,8 @@ class VectorMessage(Filling):
     @property
     def targets(self) -> list[Target]:
         """What is filled, in the order of `PATHS`."""
-        given = {name: getattr(self.take, name) for name in self.take.taken}
-        return [target_of(name, getattr(u, "name", u)) for name, u in given.items()]
+        given = self.take.taken.items()
+        return [target_of(name, getattr(u, "name", u)) for name, u in given]
 
     @property
     def turned_by_attitude(self) -> bool:
@@ -68,7 +63,7 @@ class VectorMessage(Filling):
     def samples(self, message: Any) -> Iterator[Extraction]:
         """One, whose numbers are in the order of `read`."""
         header, *values = self._values(message)
-        yield Extraction(header_stamp(header), values)
+        yield header_stamp(header), values
 
 
 class Odometry(VectorMessage):
@@ -78,7 +73,7 @@ class Odometry(VectorMessage):
 
     @model_validator(mode="after")
     def _twist_stated(self) -> "Odometry":
-        if self.twist is None and {"velocity", "gyro"} & {*self.take.taken}:
+        if self.twist is None and {"velocity", "gyro"} & self.take.taken.keys():
             raise InputError(
                 "twist missing; give 'twist: child' if the twist is in the child "
                 "frame's axes, as the message's definition has it, or 'twist: parent'"
@@ -186,7 +181,9 @@ class JointStates(Entry):
                 f"take: {position.name} and {velocity.name} are not of one kind of "
                 "joint; give revolute and prismatic joints an entry each"
             )
-        linear = {"length", "velocity"} & {u.dimension for u in self._units}
+        linear = {"length", "velocity"} & {
+            u.dimension for u in self.take.taken.values()
+        }
         if linear and self.wheels:
             raise InputError(
                 "wheels cannot be in units of length; give them their own entry"
@@ -197,11 +194,6 @@ class JointStates(Entry):
                 "of their own"
             )
         return self
-
-    @property
-    def _units(self) -> list[Unit]:
-        taken = self.take
-        return [u for u in (taken.position, taken.velocity, taken.effort) if u]
 
     @property
     def _sources(self) -> tuple[str, ...]:
@@ -241,11 +233,12 @@ class JointStates(Entry):
             for name in self._sources:
                 k = index.get(name, len(given))
                 values.append(given[k] if k < len(given) else nan)
-        yield Extraction(header_stamp(message.header), values)
+        yield header_stamp(message.header), values
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """The columns in SI."""
-        return raw * np.repeat([u.si for u in self._units], len(self._sources))
+        si = [u.si for u in self.take.taken.values()]
+        return raw * np.repeat(si, len(self._sources))
 
 
 _POSE = {"position": "pose.position", "attitude": "pose.orientation"}
@@ -277,12 +270,9 @@ def _with_keys(
 ) -> type[VectorMessage]:
     """The entry of a message from which these can be taken."""
     units: dict[str, Any] = {
-        name: Annotated[Unit, unit(DIMENSION_OF[name])]
-        for name in names
-        if name != "attitude"
+        name: Annotated[Unit, unit(of)] for name, of in DIMENSION_OF.items()
     }
-    if "attitude" in names:
-        units["attitude"] = Literal["quaternion"]
+    units["attitude"] = Literal["quaternion"]
     keys: dict[str, Any] = {name: (units[name] | None, None) for name in names}
     take = create_model("VectorTake", __base__=Take, **keys)
     return create_model(kind.__name__, __base__=kind, take=(take, ...))

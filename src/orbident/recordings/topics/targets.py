@@ -22,7 +22,6 @@ from orbident.recordings.columns import (
     part_of,
     vector_columns,
 )
-from orbident.recordings.topics.entry import TURNED
 from orbident.robot.units import UNITS
 
 DIMENSIONS: Mapping[str, Mapping[str, float]] = {
@@ -54,10 +53,11 @@ def nanoseconds_of(unit: str) -> int | None:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit that was declared."""
+    """A unit that was declared, or the form of an attitude."""
 
     name: str
     dimension: str
+    """Empty of a quaternion and the like."""
     si: float
     """Its value in SI."""
 
@@ -162,47 +162,63 @@ _ATTITUDES: Mapping[str, tuple[int, str]] = {
 """How many numbers each form of an attitude has, with an example of their names."""
 
 
+TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
+"""What is in, or of, the base's axes."""
+AT_S = {"accelerometer", "position", "velocity", "torque"}
+"""What is of the feature point, or about it."""
+
+
 @dataclass(frozen=True)
 class Target:
     """A vector, an attitude, or one column."""
 
     name: str
-    unit: str
+    unit: Unit
+    """Of each of its numbers."""
     columns: tuple[str, ...]
     width: int
     """Numbers that it is made of."""
     example: str
-    si: float = 1.0
-    dimension: str = ""
-    """Of each of its numbers; empty of a quaternion and the like."""
-
-    @property
-    def turned(self) -> bool:
-        """Whether it is a whole vector in the base's axes."""
-        return self.name in TURNED
 
     @property
     def part_of_turned(self) -> bool:
-        """Whether it is one axis of such a vector."""
+        """Whether it is one axis of a vector in the base's axes."""
         return self.name not in VECTORS and self.name.split(".")[0] in TURNED
 
     def in_si(self, raw: Float[np.ndarray, "n width"]) -> Float[np.ndarray, "n K"]:
         """The values in SI; an attitude as a unit quaternion, scalar last."""
-        if self.name != "attitude" or self.unit == "quaternion":
-            return raw * self.si
-        if self.unit == "mrp":
+        if self.name != "attitude" or self.unit.name == "quaternion":
+            return raw * self.unit.si
+        if self.unit.name == "mrp":
             return of_mrp(raw)
         # Late: the import takes as long as that of all the rest.
         from scipy.spatial.transform import Rotation
 
         # R = R_z(yaw) R_y(pitch) R_x(roll)
-        return Rotation.from_euler("xyz", raw * self.si).as_quat()
+        return Rotation.from_euler("xyz", raw * self.unit.si).as_quat()
 
 
 def of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
     """`x = (2 s, 1 - s.s) / (1 + s.s)`, modified Rodrigues parameters."""
     square = np.sum(sigma**2, axis=1, keepdims=True)
     return np.hstack([2 * sigma, 1 - square]) / (1 + square)
+
+
+Quaternions = Float[np.ndarray, "#n 4"]
+
+
+def product(x: Quaternions, y: Quaternions) -> Quaternions:
+    """`R(x y) = R(x) R(y)`."""
+    u, v = x[:, :3], y[:, :3]
+    a, b = x[:, 3:], y[:, 3:]
+    vector = a * v + b * u + np.cross(u, v)
+    scalar = a * b - np.sum(u * v, axis=1, keepdims=True)
+    return np.concatenate([vector, scalar], axis=1)
+
+
+def conjugate(x: Quaternions) -> Quaternions:
+    """`R(x*) = R(x)^T`."""
+    return x * np.array([-1.0, -1.0, -1.0, 1.0])
 
 
 def dimension_of(column: str) -> str:
@@ -226,18 +242,17 @@ def target_of(name: str, unit: object) -> Target:
                 + ", ".join(_ATTITUDES)
             )
         width, example = _ATTITUDES[unit]
-        si = DIMENSIONS["angle"].get(unit, 1.0)
         of = "angle" if unit in DIMENSIONS["angle"] else ""
-        return Target(name, unit, vector_columns(name), width, example, si, of)
+        form = Unit(unit, of, DIMENSIONS["angle"].get(unit, 1.0))
+        return Target(name, form, vector_columns(name), width, example)
     dimensions = _dimensions(name)
     try:
         found = unit_of(*dimensions)(unit)
     except InputError as error:
         raise InputError(f"take: {name}: found {unit!r}; {error}") from None
     if name in VECTORS:
-        columns, example = vector_columns(name), "[x, y, z]"
-        return Target(name, found.name, columns, 3, example, found.si, found.dimension)
-    return Target(name, found.name, (name,), 1, "x", found.si, found.dimension)
+        return Target(name, found, vector_columns(name), 3, "[x, y, z]")
+    return Target(name, found, (name,), 1, "x")
 
 
 def _dimensions(name: str) -> tuple[str, ...]:

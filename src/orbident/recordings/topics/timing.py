@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from orbident.errors import InputError
-from orbident.recordings.topics.track import RowFile, Stamps, Values
+from orbident.recordings.topics.track import RowFile, Stamps, Track
 
 _RUN = 8
 """Samples: so many in order come by chance once among 8! = 40 320 in any order."""
@@ -113,7 +113,7 @@ _BATCH_ROWS = 65_536
 class Timed:
     """An entry's samples that are used."""
 
-    values: Values
+    track: Track
     stamps: Int[np.ndarray, " used"]
     """ns, increasing by more than `SAME_TIME`."""
     order: Int[np.ndarray, " used"]
@@ -133,17 +133,19 @@ class Timed:
     """s, how far the stamps are before the time of recording, the median."""
 
 
-def timed(values: Values, sent: Stamps, received: Stamps, place: str) -> Timed:
-    """Sorts samples by stamp and keeps the first one of each.
+def timed(track: Track, file: str) -> Timed:
+    """Sorts the samples of a track by stamp and keeps the first one of each.
 
-    Those that are `sent`, ns, are the stamps of headers, 0 where there is none. They
-    are used unless the map says otherwise or none is set; then it is the time of
-    recording.
+    They have the stamps of their headers, unless the map says otherwise or none is set;
+    then they have the time of recording. The file's name is for messages.
 
     Raises:
-        InputError: the time goes back where no counter begins again.
+        InputError: as `Track.finished`, and where the time goes back where no counter
+            begins again.
     """
-    rows, entry = values.rows, values.entry
+    rows, entry = track.rows, track.entry
+    place = f"{file}: topic '{entry.topic}'"
+    sent, received = track.finished(place)
     is_set = sent > 0
     by_header = entry.time == "header" and bool(is_set.any())
     used = np.flatnonzero(is_set) if by_header else np.arange(received.size)
@@ -153,21 +155,21 @@ def timed(values: Values, sent: Stamps, received: Stamps, place: str) -> Timed:
         stamps,
         entry.counts,
         lambda some, others: _same(rows, used[some], used[others]),
-        f"{place}: topic '{entry.topic}'",
+        place,
     )
     late = np.count_nonzero(np.maximum.accumulate(stamps) > stamps)
     order = np.argsort(stamps, kind="stable")
     stamps, order = stamps[order], used[order]
     first = np.diff(stamps, prepend=stamps[0] - SAME_TIME - 1) > SAME_TIME
     return Timed(
-        values=values,
+        track=track,
         stamps=stamps[first],
         order=order[first],
         clock=entry.sender_time if by_header else entry.other_time,
         rejected={
             "duplicate": int(np.count_nonzero(~first)),
             "without_stamp": sent.size - used.size,
-            "undecodable": values.undecodable,
+            "undecodable": track.undecodable,
         },
         duplicate_differs=_differing(rows, order, first),
         out_of_order=int(late),

@@ -7,7 +7,6 @@ import tempfile
 from array import array
 from collections import Counter
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -77,36 +76,27 @@ class RowFile:
             self._file.close()
 
 
-@dataclass(frozen=True, eq=False)
-class Values:
-    """All samples of one entry, in a file in the order in which they came."""
-
-    entry: Entry
-    rows: RowFile
-    """Columns in SI; NaN where a message has no finite number."""
-    messages: int
-    undecodable: int
-    """Messages whose bytes are not of their type."""
-    incomplete: int
-    """Messages without a joint or transform that the entry wants."""
-    not_finite: int
-    """Samples with a NaN, an infinity or no number where there should be one."""
-    zeros: int
-    """Samples whose quaternion is zeros: a tracker that sees nothing."""
-
-
 class Track:
-    """Collects the samples of one entry."""
+    """Collects the samples of one entry, in a file in the order in which they come."""
 
     def __init__(self, entry: Entry, out: Path) -> None:
         """Nothing yet; rows are kept beside `out`, which is being made."""
         self.entry = entry
         self.rows = RowFile(out, len(entry.columns))
+        """Columns in SI; NaN where a message has no finite number."""
+        self.undecodable = 0
+        """Messages whose bytes are not of their type."""
+        self.incomplete = 0
+        """Messages without a joint or transform that the entry wants."""
+        self.not_finite = 0
+        """Samples with a NaN, an infinity or no number where there should be one."""
+        self.zeros = 0
+        """Samples whose quaternion is zeros: a tracker that sees nothing."""
         self._stamps, self._received = array("q"), array("q")
         self._waiting: list[Any] = []
         self._last: Any = None
         self._labels: Counter[tuple[str, ...]] = Counter()
-        self._undecodable = self._with_gaps = self._bad = self._zeros = 0
+        self._with_gaps = self._bad = 0
         self._first_bad = ""
         self._ever = np.zeros(len(entry.columns), dtype=bool)
 
@@ -117,53 +107,52 @@ class Track:
         type; a table has its own times.
         """
         if message is None:
-            self._undecodable += 1
+            self.undecodable += 1
             return
         if isinstance(self.entry, Table):
-            self._extend(*self.entry.rows(message))
+            times, raw = self.entry.rows(message)
+            self._labels[()] += len(raw)
+            for start in range(0, len(raw), _BATCH_ROWS):
+                rows = slice(start, start + _BATCH_ROWS)
+                self._stamps.frombytes(bytes(times[rows].nbytes))
+                self._received.frombytes(times[rows].tobytes())
+                self._keep(raw[rows].copy())
             return
         self._last = message
         self._labels[self.entry.labels(message)] += 1
-        for sample in self.entry.samples(message):
-            self._stamps.append(sample.stamp or 0)
+        for stamp, values in self.entry.samples(message):
+            self._stamps.append(stamp)
             self._received.append(received)
-            self._waiting.append(sample.values)
+            self._waiting.append(values)
             if len(self._waiting) == _BATCH_ROWS:
                 self._flush()
 
-    def _extend(
-        self, received: Int[np.ndarray, " n"], raw: Float[np.ndarray, "n K"]
-    ) -> None:
-        """Takes all rows of a table, with their times in ns."""
-        self._labels[()] += len(raw)
-        for start in range(0, len(raw), _BATCH_ROWS):
-            rows = slice(start, start + _BATCH_ROWS)
-            self._stamps.frombytes(bytes(received[rows].nbytes))
-            self._received.frombytes(received[rows].tobytes())
-            self._keep(raw[rows].copy())
+    @property
+    def messages(self) -> int:
+        """How many messages came, or rows of a table."""
+        return self._labels.total() + self.undecodable
 
-    def finished(self, bag: str) -> tuple[Values, Stamps, Stamps]:
-        """Everything that came; to be called once.
+    def finished(self, place: str) -> tuple[Stamps, Stamps]:
+        """Samples' times; to be called once, when all have come.
 
-        Beside the samples there are the stamps of their headers, 0 where there is none,
-        and when they were recorded, ns.
+        They are the stamps of headers, 0 where there is none, and when samples were
+        recorded, ns. In messages the topic is called `place`.
 
         Raises:
             InputError: Nothing came, a label never occurs, a column never has a
                 number, or a quaternion is not of length one.
         """
         self._flush()
-        place = f"{bag}: topic '{self.entry.topic}'"
         decoded = self._labels.total()
         if not decoded:
             raise InputError(
-                f"{place}: none of its {self._undecodable} messages can be decoded as "
+                f"{place}: none of its {self.undecodable} messages can be decoded as "
                 f"{self.entry.type}; record again"
             )
         self._check_labels(place)
-        if 0 < self._zeros == len(self._stamps):
+        if 0 < self.zeros == len(self._stamps):
             raise InputError(
-                f"{place}: all {self._zeros} quaternions are zero, as of a tracker "
+                f"{place}: all {self.zeros} quaternions are zero, as of a tracker "
                 "that sees nothing; take nothing from it that needs its attitude"
             )
         if self._bad:
@@ -179,28 +168,19 @@ class Track:
                 f"{place}: column '{never}' never has a finite number; "
                 + (lacked or "leave it out, or give what has it an entry of its own")
             )
-        wanted = self.entry.wanted
-        incomplete = sum(
+        self.incomplete = sum(
             count
             for labels, count in self._labels.items()
-            if not wanted.issubset(labels)
+            if not self.entry.wanted.issubset(labels)
         )
         # A transform that is not in a message is no sample, so it leaves no gap.
-        gaps = incomplete if len(self._stamps) == decoded else 0
-        values = Values(
-            entry=self.entry,
-            rows=self.rows,
-            messages=decoded + self._undecodable,
-            undecodable=self._undecodable,
-            incomplete=incomplete,
-            not_finite=max(self._with_gaps - gaps - self._zeros, 0),
-            zeros=self._zeros,
-        )
+        gaps = self.incomplete if len(self._stamps) == decoded else 0
+        self.not_finite = max(self._with_gaps - gaps - self.zeros, 0)
         times = self._stamps, self._received
         # Times are sorted once, and then these are no longer needed.
         self._stamps, self._received = array("q"), array("q")
         stamps, received = (np.frombuffer(each, np.int64) for each in times)
-        return values, stamps, received
+        return stamps, received
 
     def _check_labels(self, place: str) -> None:
         seen = sorted({label for labels in self._labels for label in labels})
@@ -233,7 +213,7 @@ class Track:
     def _of_length_one(self, x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
         norm = np.linalg.norm(x, axis=1)
         off = np.abs(norm - 1) > QUATERNION_TOLERANCE
-        self._zeros += int((norm == 0).sum())
+        self.zeros += int((norm == 0).sum())
         bad = np.flatnonzero(off & (norm > 0))
         if bad.size and not self._bad:
             number = len(self._stamps) - norm.size + int(bad[0])

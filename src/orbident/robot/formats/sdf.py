@@ -14,7 +14,7 @@ A pose is relative to the frame that `relative_to` names. Where it names none, i
 import math
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
-from orbident.files.names import quoted, suggestion
+from orbident.files.names import quoted, refuse_unknown
 from orbident.robot.urdf import UNLIMITED, Mimic, Urdf, UrdfJoint, UrdfLink, rotation_of
 from orbident.robot.urdf_reader import numbers_in, parsed_xml, unique_names
 
@@ -47,22 +47,15 @@ class SdfPose(NamedTuple):
         return SdfPose(other.R.T @ self.R, other.R.T @ (self.p - other.p))
 
 
-@dataclass(frozen=True)
-class Frame:
-    """A frame as the file gives it."""
-
-    element: ET.Element
-    default: str
-    """The frame that its pose is relative to unless the pose says so."""
-    attached: str | None = None
-    """What a frame or a joint moves with; a link moves by itself."""
-
-
 class Frames:
     """All frames of a model by name, and their poses."""
 
-    def __init__(self, frames: dict[str, Frame], place: str) -> None:
-        """Keep the frames of links, joints and frames; `place` is for messages."""
+    def __init__(self, frames: dict[str, tuple[ET.Element, str]], place: str) -> None:
+        """Keep links, joints and frames, each with the frame that its pose is in.
+
+        That is where the pose names none; a joint or a frame moves with it too, while a
+        link moves by itself. `place` is for messages.
+        """
         self._frames, self._place = frames, place
         self._poses = {MODEL: SdfPose(np.eye(3), np.zeros(3))}
 
@@ -73,13 +66,13 @@ class Frames:
             InputError: it is attached to itself.
         """
         passed: list[str] = []
-        while name in self._frames and self._frames[name].attached is not None:
+        while name in self._frames and self._frames[name][0].tag != "link":
             if name in passed:
                 raise InputError(
                     f"{where}: {quoted(name)} is attached to itself; correct it"
                 )
             passed.append(name)
-            name = str(self._frames[name].attached)
+            name = self._frames[name][1]
         return name
 
     def pose(self, name: str) -> SdfPose:
@@ -95,18 +88,15 @@ class Frames:
                     f"{self._place}: the pose of {quoted(name)} is relative to "
                     "itself; correct its relative_to"
                 )
-            if name not in self._frames:
-                of = f"{quoted(chain[-1])} is" if chain else "an axis is"
-                raise InputError(
-                    f"{self._place}: {of} relative to {quoted(name)}, which is not in "
-                    f"the file; {suggestion(name, self._frames, 'frames')}"
-                )
+            of = f"{quoted(chain[-1])} is" if chain else "an axis is"
+            fault = f"{of} relative to {quoted(name)}, which is not in the file"
+            refuse_unknown(name, self._frames, f"{self._place}: {fault}", "frames")
             chain.append(name)
-            frame = self._frames[name]
-            pose = frame.element.find("pose")
-            name = (None if pose is None else pose.get("relative_to")) or frame.default
+            element, default = self._frames[name]
+            pose = element.find("pose")
+            name = (None if pose is None else pose.get("relative_to")) or default
         for each in reversed(chain):
-            own = own_pose(self._frames[each].element, f"{self._place}: '{each}'")
+            own = own_pose(self._frames[each][0], f"{self._place}: '{each}'")
             self._poses[each] = self._poses[name].of(own)
             name = each
         return self._poses[name]
@@ -208,15 +198,14 @@ class _SdfReader:
         self.joints = dict(self._named(model, "joint"))
         if not self.links:
             raise InputError(f"{place}: the model has no <link>; give at least a base")
-        frames = {name: Frame(link, MODEL) for name, link in self.links.items()}
+        frames = {name: (link, MODEL) for name, link in self.links.items()}
         for name, joint in self.joints.items():
             child = self._text(joint, "child", f"{place}: joint '{name}'")
-            frames[_joint_frame(name)] = Frame(joint, child, child)
+            frames[_joint_frame(name)] = joint, child
             # Old files may have a link of the same name.
             frames.setdefault(name, frames[_joint_frame(name)])
         for name, frame in self._named(model, "frame"):
-            on = frame.get("attached_to") or MODEL
-            frames[name] = Frame(frame, on, on)
+            frames[name] = frame, frame.get("attached_to") or MODEL
         self.frames = Frames(frames, place)
 
     def _named(self, model: ET.Element, tag: str) -> list[tuple[str, ET.Element]]:
@@ -258,11 +247,8 @@ class _SdfReader:
         name = self.frames.carrier(name, where)
         if name == WORLD and end == "parent":
             return WORLD
-        if name not in self.links:
-            raise InputError(
-                f"{where}: the {end} link {quoted(name)} is not in the file; "
-                + suggestion(name, self.links, "links")
-            )
+        fault = f"{where}: the {end} link {quoted(name)} is not in the file"
+        refuse_unknown(name, self.links, fault, "links")
         return name
 
     def _text(self, element: ET.Element, tag: str, where: str) -> str:

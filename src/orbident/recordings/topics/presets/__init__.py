@@ -4,8 +4,7 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-from orbident.errors import InputError
-from orbident.files.names import quoted, suggestion
+from orbident.files.names import quoted, refuse_unknown
 
 _FOLDER = Path(str(files(__name__)))
 
@@ -31,9 +30,6 @@ def known_preset(name: str) -> str:
     Raises:
         InputError: There is none.
     """
-    if name not in presets():
-        raise InputError(
-            f"--preset {quoted(name)}: there is no such map; "
-            + suggestion(name, presets(), "presets")
-        )
+    fault = f"--preset {quoted(name)}: there is no such map"
+    refuse_unknown(name, presets(), fault, "presets")
     return name
