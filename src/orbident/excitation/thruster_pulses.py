@@ -22,8 +22,7 @@ from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import Driven
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import Driven, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse

@@ -20,8 +20,7 @@ from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.joint_schema import require_measured
-from orbident.simulation.control_laws import Driven
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import Driven, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import (

@@ -25,8 +25,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.robot.units import STANDARD_GRAVITY
-from orbident.simulation.control_laws import OpenLoop
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import FreeFlying, OpenLoop, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies import paper_tables
