@@ -133,16 +133,13 @@ def limits_of(robot: Robot, acceleration: float = INFINITE, **others: Any) -> Li
                 f"{joint.velocity}; give one in the model or under limits: in the "
                 "robot file"
             )
-    anywhere = (-INFINITE, INFINITE)
+    # With one stop, a turn from it is as far as a motion needs.
+    stops = (
+        joint.within(np.pi) if joint.position else (-INFINITE, INFINITE)
+        for joint in robot.joints
+    )
     limits = Limits(
-        # With one stop, a turn from it is as far as a motion needs.
-        position=np.reshape(
-            [
-                joint.within(np.pi) if joint.position else anywhere
-                for joint in robot.joints
-            ],
-            (len(robot.joints), 2),
-        ),
+        position=np.reshape([*stops], (-1, 2)),
         velocity=np.array([joint.velocity or INFINITE for joint in robot.joints]),
         acceleration=np.full(len(robot.joints), float(acceleration)),
         **others,
