@@ -22,8 +22,7 @@ from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
 from orbident.simulation import outside
-from orbident.simulation.control_laws import Driven, Hold
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import Driven, FreeFlying, Hold, standing
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import thrust_columns
 from orbident.simulation.sensor import markov, stream

@@ -12,8 +12,7 @@ from random_robots import DUAL_ARM, random_robot, random_wheels
 from orbident.model.equations_of_motion import equations_of_motion
 from orbident.robot.description import Robot, Thruster, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
-from orbident.simulation.control_laws import Hold, OpenLoop
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.flight import FlyingState, FreeFlying, Hold, OpenLoop, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse

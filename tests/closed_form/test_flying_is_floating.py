@@ -10,7 +10,7 @@ from random_robots import DUAL_ARM, random_planar_robot, random_robot, random_wh
 from scipy.interpolate import BPoly
 
 from orbident.robot.description import Robot, Thruster, Wheel
-from orbident.simulation.control_laws import Hold
+from orbident.simulation.flight import Hold
 from orbident.simulation.free_floating import free_floating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse

@@ -12,8 +12,13 @@ from scipy.spatial.transform import Rotation
 
 from orbident import _core
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import Hold
-from orbident.simulation.flight import WrenchPoint, commanded, integrate, vehicle_of
+from orbident.simulation.flight import (
+    Hold,
+    WrenchPoint,
+    commanded,
+    integrate,
+    vehicle_of,
+)
 from orbident.simulation.free_floating import rate_law, step_nodes
 from orbident.simulation.free_flying import free_flying
 

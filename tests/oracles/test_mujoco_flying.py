@@ -27,8 +27,7 @@ from random_robots import (
 )
 
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import JointPD, WheelSpeed
-from orbident.simulation.flight import FlyingState, standing
+from orbident.simulation.flight import FlyingState, JointPD, WheelSpeed, standing
 from orbident.simulation.free_flying import FreeFlying, free_flying
 from orbident.simulation.outside import Pulse
 

@@ -7,6 +7,7 @@ Base and two links of 1 m in a plane, from naveen13m/space_robot_parameter_estim
 """
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +94,8 @@ def robot(name: str, wheel: bool = False, **sensors: dict) -> Robot:
 def pi_of(robot: Robot) -> np.ndarray:
     """In the order of A.4."""
     sets = minimal_sets(robot)
-    return paper_basis(sets, planar_columns((0.5, 0.0))).pi(sets.pi(robot.theta))
+    columns = partial(planar_columns, r_joint1=(0.5, 0.0))
+    return paper_basis(sets, columns).pi(sets.pi(robot.theta))
 
 
 def test_both_have_the_published_minimal_set():

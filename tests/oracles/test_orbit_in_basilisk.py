@@ -27,8 +27,7 @@ from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors
-from orbident.simulation.control_laws import Driven, Hold
-from orbident.simulation.flight import standing
+from orbident.simulation.flight import Driven, Hold, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import Truth, measure_truth

@@ -26,8 +26,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import AttitudeSpec
-from orbident.simulation.control_laws import JointPD
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.flight import FlyingState, FreeFlying, JointPD, standing
 from orbident.simulation.free_flying import free_flying
 from orbident.studies.paper_tables import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment

@@ -1,5 +1,6 @@
 """The paper's minimal sets (its [21], A.4, A.6, A.7 and Table 4) against ours."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -295,8 +296,7 @@ def test_change_of_basis_gives_table_4(spatial):
 
 
 def test_change_of_basis_gives_A_4_and_A_7(planar):
-    columns = planar_columns((0.173, 0.091))
-    basis, theta = paper_basis(planar.sets, columns), planar.robot.theta
+    basis, theta = paper_basis(planar.sets, planar_columns), planar.robot.theta
     pi = basis.pi(planar.sets.pi(theta))
     phi = basis.phi(planar.sets.phi(theta))
     # Terms below 1: the smallest pi, 2e-4, is a difference of larger ones.
@@ -309,9 +309,7 @@ def test_eq_29_in_the_papers_basis(name, request):
     """`v_S - v_cm = W phi + x`, with the momentum from each body."""
     paper = request.getfixturevalue(name)
     columns, arm = (
-        (spatial_columns, ARM)
-        if name == "spatial"
-        else (planar_columns((0.173, 0.091)), PLANAR_ARM)
+        (spatial_columns, ARM) if name == "spatial" else (planar_columns, PLANAR_ARM)
     )
     moving = list(paper.sets.regressors.velocity_axes)
     for k in range(SAMPLES):
@@ -326,7 +324,7 @@ def test_paper_basis_refuses_another_robot():
     """Two joints too, but nothing is known of where the links' CMs are."""
     sets = minimal_sets(random_planar_robot(0, (0, 1)))
     with pytest.raises(InputError, match="not those of this robot"):
-        paper_basis(sets, planar_columns((0.2, 0.0)))
+        paper_basis(sets, partial(planar_columns, r_joint1=(0.2, 0.0)))
 
 
 def test_counts_of_the_papers_systems(spatial, planar):

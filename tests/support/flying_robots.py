@@ -6,8 +6,7 @@ import numpy as np
 from random_robots import random_start, random_unit_vector
 
 from orbident.robot.description import Robot, Thruster
-from orbident.simulation.control_laws import OpenLoop
-from orbident.simulation.flight import FlyingState, standing
+from orbident.simulation.flight import FlyingState, OpenLoop, standing
 
 
 def waving(seed: int, count: int) -> OpenLoop:

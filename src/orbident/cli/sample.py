@@ -39,7 +39,7 @@ def sample(
     from orbident.recordings.tables import check_writable
     from orbident.simulation.simulate import (
         motion_table,
-        sampled,
+        times_to_the_end,
         write_joint_trajectory,
     )
 
@@ -47,12 +47,12 @@ def sample(
         check_writable(out)
     check_free(out, force)
     motion = oi.load_trajectory(trajectory)
-    samples = sampled(motion, rate)
+    t = times_to_the_end(motion, rate)
     if format_ == "table":
-        oi.write_recording(motion_table(samples), out)
+        oi.write_recording(motion_table(motion, t), out)
     else:
-        write_joint_trajectory(samples, out)
-    count = samples.t.size
+        write_joint_trajectory(motion, t, out)
+    count = t.size
     output.say(
         f"sampled {trajectory}: {count} samples over {motion.duration:g} s, {format_}",
         f"written: {out}",

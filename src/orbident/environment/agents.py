@@ -36,12 +36,6 @@ AGENTS: dict[str, Agent] = {
 }
 """What acts from outside, by its group."""
 
-IN_WORDS = {group: each.words for group, each in AGENTS.items() if each.words}
-"""What acts: all that is tested for, or may be asked for."""
-
-NEEDS = {group: each.needs for group, each in AGENTS.items() if each.needs}
-"""Without which nothing shows of a group."""
-
 STEADY = {group: each.mean for group, each in AGENTS.items() if each.mean}
 """What has a mean beside, by groups of what changes slowly."""
 
@@ -50,9 +44,6 @@ SLOW = tuple(group for group, each in AGENTS.items() if each.slow)
 
 WALKS = tuple(group for group, each in AGENTS.items() if each.density)
 """Groups of waves, in the order of `MomentumWalk`."""
-
-DENSITY = {group: AGENTS[group].density for group in WALKS}
-"""The fields of `MomentumWalk` that say how strong they are."""
 
 NOISE = steady.WheelNoise.group
 """Noise of an instrument, which is not said to act."""
@@ -70,10 +61,6 @@ PUSH, FILM = steady.Push.group, air_table.FilmDrag.group
 def loads_of(world: World, motion: RobotMotion) -> list[Load]:
     """All that acts on a flight: always at the same points of the same bodies."""
     return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
-
-
-ALIKE = {group: each.alike for group, each in AGENTS.items()}
-"""What may be taken for what, by groups."""
 
 
 def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:

@@ -208,12 +208,11 @@ class RobotMotion:
         return self.nothing._replace(force=load.force, torque=torque)
 
 
-def at_rest(robot: Robot) -> RobotMotion:
-    """The robot at rest at zero, for one step."""
-    joints, zero = np.zeros((3, len(robot.joints))), np.zeros((3, 3))
-    level = np.tile(np.eye(3), (3, 1, 1))
-    S = PointMotion(zero, zero)
-    return RobotMotion(robot, np.zeros(3), joints, joints, level, zero, S)
+def at_rest(robot: Robot, t: Float[np.ndarray, " nodes"]) -> RobotMotion:
+    """The robot at rest at zero, at these times, s."""
+    joints, zero = np.zeros((t.size, len(robot.joints))), np.zeros((t.size, 3))
+    level, S = np.tile(np.eye(3), (t.size, 1, 1)), PointMotion(zero, zero)
+    return RobotMotion(robot, t, joints, joints, level, zero, S)
 
 
 def heavy_bodies(robot: Robot) -> list[tuple[int, float, Float[np.ndarray, "3"]]]:

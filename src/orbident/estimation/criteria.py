@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from orbident.environment.agents import AGENTS, IN_WORDS, PUSH, SLOW
+from orbident.environment.agents import AGENTS, PUSH, SLOW
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -235,10 +235,6 @@ def _what_may_act(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
 def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:
     """What acts: care is needed where it is more than may act."""
     fits, pushed = estimate.disturbances, problem.samples.pushed
-    in_words = dict(IN_WORDS)
-    if pushed:
-        begin, end = pushed
-        in_words[PUSH] = f"something pushed between t = {begin:.4g} and {end:.4g} s"
     for group in dict.fromkeys(fit.group for fit in fits.values()):
         own = {name: fit for name, fit in fits.items() if fit.group == group}
         largest = max(own.values(), key=lambda fit: abs(fit.value))
@@ -250,10 +246,14 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
             )
         unseen = all(abs(fit.value) < fit.std for fit in own.values())
         more = group in estimate.unexpected or group == PUSH
+        words = AGENTS[group].words
+        if group == PUSH and pushed:
+            begin, end = pushed
+            words = f"something pushed between t = {begin:.4g} and {end:.4g} s"
         yield Check(
             f"{group} from outside",
             "with care" if more else "trust",
-            f"{in_words[group]}{', if any' if unseen else ''}: {sizes}; it was "
+            f"{words}{', if any' if unseen else ''}: {sizes}; it was "
             f"identified with the parameters{_without(largest.shift)}",
             _remedy(group) if more else "",
         )

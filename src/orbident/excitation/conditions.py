@@ -1,7 +1,7 @@
 """What an exciting trajectory has to keep to: duration, ends, start and limits."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -100,15 +100,7 @@ class BaseExtremes(NamedTuple):
         ]
 
 
-def limits_of(
-    robot: Robot,
-    acceleration: float = INFINITE,
-    base_rate: float = INFINITE,
-    excursion: float = INFINITE,
-    wheel_speed: float = INFINITE,
-    table: TableSize = ANY_TABLE,
-    impulse: float = INFINITE,
-) -> Limits:
+def limits_of(robot: Robot, acceleration: float = INFINITE, **others: Any) -> Limits:
     """The limits in the robot file and its URDF, and those that neither can state.
 
     Those of a joint that others follow are as narrow as theirs make them.
@@ -116,12 +108,8 @@ def limits_of(
     Args:
         robot: with position and velocity limits of its joints.
         acceleration: of every joint, rad/s^2 or m/s^2.
-        base_rate: norm of the base's angular velocity, rad/s.
-        excursion: angle of the base from its first attitude, rad.
-        wheel_speed: of every wheel relative to the base, rad/s.
-        table: on which S, the joints' origins and the tips of the last links stay.
-        impulse: of all thrusters together, N s; where pulses are designed, as of a
-            robot without joints.
+        others: of the base and of the whole, by their names in `Limits`; an impulse
+            only where pulses are designed, as of a robot without joints.
 
     Raises:
         InputError: the robot has neither joints nor thrusters, a joint with a motor
@@ -133,7 +121,7 @@ def limits_of(
             f"{robot.name}: joints and thrusters: found none; only what moves or "
             "pushes excites a robot"
         )
-    if robot.joints and impulse < INFINITE:
+    if robot.joints and others.get("impulse", INFINITE) < INFINITE:
         raise InputError(
             "impulse limit: thrusters are fired only where a robot has no joints; "
             "leave the limit out"
@@ -145,23 +133,16 @@ def limits_of(
                 f"{joint.velocity}; give one in the model or under limits: in the "
                 "robot file"
             )
-    anywhere = (-INFINITE, INFINITE)
+    # With one stop, a turn from it is as far as a motion needs.
+    stops = (
+        joint.within(np.pi) if joint.position else (-INFINITE, INFINITE)
+        for joint in robot.joints
+    )
     limits = Limits(
-        # With one stop, a turn from it is as far as a motion needs.
-        position=np.reshape(
-            [
-                joint.within(np.pi) if joint.position else anywhere
-                for joint in robot.joints
-            ],
-            (len(robot.joints), 2),
-        ),
+        position=np.reshape([*stops], (-1, 2)),
         velocity=np.array([joint.velocity or INFINITE for joint in robot.joints]),
         acceleration=np.full(len(robot.joints), float(acceleration)),
-        base_rate=float(base_rate),
-        excursion=float(excursion),
-        wheel_speed=float(wheel_speed),
-        table=table,
-        impulse=float(impulse),
+        **others,
     )
     for name, value in {"acceleration": acceleration, **limits.by_name}.items():
         if not (SMALLEST <= value <= LARGEST or value == INFINITE):
@@ -169,7 +150,7 @@ def limits_of(
                 f"{name} limit: found {value:g}; give a number above zero, in SI units"
                 f", and at most {LARGEST:g}"
             )
-    if robot.motion != "planar" and min(table) < INFINITE:
+    if robot.motion != "planar" and min(limits.table) < INFINITE:
         raise InputError(
             f"{robot.name}: table limit: the robot flies in space; leave the limit out"
         )

@@ -119,18 +119,15 @@ class DesignProblem:
 
         Means of power `p` stand for extremes.
         """
-        q, qd = self.motions.along(y)
-        dt = 2 * float(self.motions.t[1])
-        motions = [craft.along(q, qd, dt) for craft in self.crafts]
+        motions = self._along(y)
         values, gradients = zip(*(self._criterion(m, p) for m in motions), strict=True)
         smooth, exact = np.array(values).T
         # The worst robot by the mean of power p, as for eigenvalues.
         worst, shares = smooth_maximum(smooth, p)
         gradient = sum(
-            share * self.motions.pull_back(*craft.pull_back(q, qd, f))
-            for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
+            share * self._by_y(f) for share, f in zip(shares, gradients, strict=True)
         )
-        used, by_y = self._all_used(q, qd, motions)
+        used, by_y = self._all_used(motions)
         return Candidate(worst, np.asarray(gradient), float(exact.max()), used, by_y)
 
     def gentlest(
@@ -140,12 +137,10 @@ class DesignProblem:
 
         It is `middle`, a motion inside the joints' limits, where the base allows that.
         """
-        shape, step = middle.shape, 2 * float(self.motions.t[1])
+        shape = middle.shape
 
         def used(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            q, qd = self.motions.along(x[:-1].reshape(shape))
-            motions = [craft.along(q, qd, step) for craft in self.crafts]
-            values, by_y = self._all_used(q, qd, motions)
+            values, by_y = self._all_used(self._along(x[:-1].reshape(shape)))
             return values, by_y.reshape(len(values), middle.size)
 
         # Without a series, joints go straight from end to end: often they rest.
@@ -182,6 +177,15 @@ class DesignProblem:
         )
         return found.x[:-1].reshape(shape)
 
+    def _along(self, y: Float[np.ndarray, "free m"]) -> list[NodalMotion]:
+        """The motion of each robot."""
+        q, qd = self.motions.along(y)
+        dt = 2 * float(self.motions.t[1])
+        return [craft.along(q, qd, dt) for craft in self.crafts]
+
+    def _by_y(self, f: Gradient) -> Float[np.ndarray, "free m"]:
+        return self.motions.pull_back(*f.motion.craft.pull_back(f))
+
     def _criterion(
         self, motion: NodalMotion, p: float
     ) -> tuple[tuple[float, float], Gradient]:
@@ -208,12 +212,9 @@ class DesignProblem:
         return (value.smooth, value.exact), f
 
     def _all_used(
-        self,
-        q: Float[np.ndarray, "nodes joints"],
-        qd: Float[np.ndarray, "nodes joints"],
-        motions: list[NodalMotion],
+        self, motions: list[NodalMotion]
     ) -> tuple[Float[np.ndarray, " limits"], Float[np.ndarray, "limits free m"]]:
-        used = [self._used(name, q, qd, motions) for name in self.limited]
+        used = [self._used(name, motions) for name in self.limited]
         shape = len(used), len(self.motions.scale), self.motions.basis[0].shape[1]
         return (
             np.array([value for value, _ in used]),
@@ -221,11 +222,7 @@ class DesignProblem:
         )
 
     def _used(
-        self,
-        name: str,
-        q: Float[np.ndarray, "nodes joints"],
-        qd: Float[np.ndarray, "nodes joints"],
-        motions: list[NodalMotion],
+        self, name: str, motions: list[NodalMotion]
     ) -> tuple[float, Float[np.ndarray, "free m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
@@ -234,12 +231,11 @@ class DesignProblem:
             most, by_uses = use_of_table(name, size, uses, LIMITS_POWER)
         else:
             most, by_uses = smooth_maximum(uses, LIMITS_POWER)
-        shape = len(self.motions.scale), self.motions.basis[0].shape[1]
-        gradient = np.zeros(shape)
-        for craft, motion, by_use in zip(self.crafts, motions, by_uses, strict=True):
+        gradient = np.zeros((len(self.motions.scale), self.motions.basis[0].shape[1]))
+        for motion, by_use in zip(motions, by_uses, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
-            gradient += self.motions.pull_back(*craft.pull_back(q, qd, f))
+            gradient += self._by_y(f)
         return most, gradient
 
     def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses ..."]:

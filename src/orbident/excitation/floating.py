@@ -44,8 +44,9 @@ class NodalMotion:
     w: Float[np.ndarray, "n 3"]
     """Base rate, rad/s."""
     x_WB: Float[np.ndarray, "n 4"]
-    laws: _core.RateLaws | None = None
-    """Laws of the base rate, for gradients; only of a motion that `along` made."""
+    along: tuple[_core.RateLaws, JointNodes, JointNodes] | None = None
+    """Laws of the base rate, and joints at nodes and mid-nodes, for gradients; only of
+    a motion that `Craft.along` made."""
 
     @cached_property
     def R(self) -> Float[np.ndarray, "n 3 3"]:
@@ -204,7 +205,7 @@ class Craft:
         Positions are in rad or m; `dt`, from node to node, in s.
         """
         w, x_WB, laws = _core.float_along(self.floating, q, qd, dt, processors())
-        return replace(self.seen(q[::2], qd[::2], w, x_WB, dt), laws=laws)
+        return replace(self.seen(q[::2], qd[::2], w, x_WB, dt), along=(laws, q, qd))
 
     def seen(
         self,
@@ -218,15 +219,14 @@ class Craft:
         Y, W = self.sets.regressors(q, qd, w)
         return NodalMotion(self, q, qd, dt, Y, W, w, x_WB)
 
-    def pull_back(
-        self, q: JointNodes, qd: JointNodes, f: Gradient
-    ) -> tuple[JointNodes, JointNodes]:
+    def pull_back(self, f: Gradient) -> tuple[JointNodes, JointNodes]:
         """The gradient with respect to `q` and `qd` at nodes and mid-nodes."""
         motion, regressors = f.motion, self.sets.regressors
-        assert motion.laws is not None
+        assert motion.along is not None
+        laws, q, qd = motion.along
         by_q, by_qd = _core.float_gradient(
             self.floating,
-            motion.laws,
+            laws,
             regressors.core,
             q,
             qd,

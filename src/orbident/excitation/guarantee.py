@@ -87,27 +87,9 @@ class Extremes(NamedTuple):
         }
 
 
-class _Carried(NamedTuple):
-    """Bounds of how each body's origin moves relative to the base."""
-
-    d: Float[np.ndarray, " bodies"]
-    """Distance from the base's CM."""
-    v: Float[np.ndarray, " bodies"]
-    a: Float[np.ndarray, " bodies"]
-    w: Float[np.ndarray, " bodies"]
-    alpha: Float[np.ndarray, " bodies"]
-
-
-class _Norms(NamedTuple):
-    """Root integrals over the mass of the links, and what the motors' rotors have."""
-
-    r: float
-    u: float
-    a: float
-    h: float
-    """Momentum of the rotors, N m s."""
-    n: float
-    """Rate of the rotors' momentum, N m."""
+Carried = Float[np.ndarray, "5 bodies"]
+"""Bounds of how each body's origin moves relative to the base: distance from the base's
+CM, velocity and acceleration; then rate and angular acceleration of the body; SI."""
 
 
 def extremes_of(trajectory: Trajectory) -> Extremes:
@@ -140,18 +122,18 @@ def base_extremes_of(
     if least <= LEAST_INERTIA:
         return BaseExtremes(np.inf, np.inf, np.inf, table)
     carried = _carried(robot, joints)
-    norms = _norms(robot, joints, carried)
+    r, u, a, h, n = _norms(robot, joints, carried)
     h_cm = float(np.linalg.norm(motion.h_cm))
     wheels = wheels_of(robot)
     spin = motion.qd_rw[0] + wheels.free * (wheels.axes.T @ motion.w[0])
     h_rw = float(np.linalg.norm(wheels.A_rw @ spin))
     sampled = float(np.linalg.norm(motion.w, axis=1).max())
-    rate = (h_cm + norms.r * norms.u + norms.h + h_rw) / least
+    rate = (h_cm + r * u + h + h_rw) / least
     change = np.inf
     for _ in range(3):
         # In the plane R_0^T h_cm is constant.
-        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a + norms.n
-        change = (torque + 2 * norms.r * norms.u * rate) / least
+        torque = (0.0 if planar else h_cm) * rate + r * a + n
+        change = (torque + 2 * r * u * rate) / least
         rate = min(rate, sampled + change * t[1] / 2)
     half = np.abs(motion.attitude @ motion.attitude[0])
     turned = float(2 * np.arccos(np.clip(half, 0.0, 1.0)).max())
@@ -166,7 +148,7 @@ def base_extremes_of(
 
 
 def _smallest_table(
-    robot: Robot, motion: FreeFloating, carried: _Carried, rate: float, change: float
+    robot: Robot, motion: FreeFloating, carried: Carried, rate: float, change: float
 ) -> TableSize:
     points = points_on_table(
         robot, motion.q, quaternion_matrix(motion.attitude), motion.r_S
@@ -194,9 +176,10 @@ def _least_inertia(robot: Robot) -> float:
     return float(I[2, 2] if robot.motion == "planar" else np.linalg.eigvalsh(I)[0])
 
 
-def _carried(robot: Robot, joints: Extremes) -> _Carried:
+def _carried(robot: Robot, joints: Extremes) -> Carried:
     """Recursively from the base: each body's largest rates and accelerations."""
-    d, v, a, w, alpha = np.zeros((5, len(robot.bodies)))
+    carried = np.zeros((5, len(robot.bodies)))
+    d, v, a, w, alpha = carried
     com = robot.theta[0, FIRST_MOMENT] / robot.theta[0, MASS]
     for k, joint in enumerate(robot.joints):
         j, rate, acceleration = joint.parent, joints.velocity[k], joints.acceleration[k]
@@ -211,26 +194,31 @@ def _carried(robot: Robot, joints: Extremes) -> _Carried:
         a[k + 1] += slides * (acceleration + 2 * w[j] * rate)
         w[k + 1] = w[j] + (not slides) * rate
         alpha[k + 1] = alpha[j] + (not slides) * (acceleration + w[j] * rate)
-    return _Carried(d, v, a, w, alpha)
+    return carried
 
 
-def _norms(robot: Robot, joints: Extremes, carried: _Carried) -> _Norms:
+def _norms(robot: Robot, joints: Extremes, carried: Carried) -> tuple[float, ...]:
+    """Root integrals over the mass of the links, and what the motors' rotors have.
+
+    Returns:
+        `|r|`, `|u|` and `|a|`; the rotors' momentum, N m s, and its rate, N m.
+    """
     m, I = np.abs(robot.theta[1:, MASS]), robot.theta[1:, INERTIA]
     # Root of `integral |rho|^2 dm = tr I / 2`, about the body's origin.
     diagonal = [row == column for row, column in INERTIA_ENTRIES]
     spread = np.sqrt(np.abs(I[:, diagonal].sum(axis=1)) / 2)
-    root, (d, v, a, w, alpha) = np.sqrt(m), (each[1:] for each in carried)
+    root, (d, v, a, w, alpha) = np.sqrt(m), carried[:, 1:]
     # |c| <= sqrt(m_links) |r| / M takes r from the base's CM to that of the system.
     to_cm = 1 + m.sum() / robot.mass
     # The axes of a rotor turn with the body that carries it.
     NJ = np.abs(rotors_of(robot).momentum)
     carrier = np.append(0.0, w)[[joint.parent for joint in robot.joints]]
-    return _Norms(
-        r=float(np.linalg.norm(root * d + spread) * to_cm),
-        u=float(np.linalg.norm(root * v + spread * w)),
-        a=float(np.linalg.norm(root * a + spread * (alpha + w**2))),
-        h=float(NJ @ joints.velocity),
-        n=float(NJ @ (joints.acceleration + carrier * joints.velocity)),
+    return (
+        float(np.linalg.norm(root * d + spread) * to_cm),
+        float(np.linalg.norm(root * v + spread * w)),
+        float(np.linalg.norm(root * a + spread * (alpha + w**2))),
+        float(NJ @ joints.velocity),
+        float(NJ @ (joints.acceleration + carrier * joints.velocity)),
     )
 
 

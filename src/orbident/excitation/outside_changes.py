@@ -19,6 +19,7 @@ the velocity of the motion at hand.
 
 from collections.abc import Iterator
 from collections.abc import Set as AbstractSet
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -27,7 +28,7 @@ from jaxtyping import Float
 
 from orbident.environment.agent import Disturbance
 from orbident.environment.agents import AGENTS, FILM, FREE, STEADY, std_of
-from orbident.environment.motion import PointMotion, RobotMotion, at_nodes
+from orbident.environment.motion import PointMotion, RobotMotion, at_nodes, at_rest
 from orbident.environment.worlds import (
     Scale,
     radius_of_gyration,
@@ -98,12 +99,8 @@ def _still_changes(
     """Of what depends on time alone: the same along each motion of a search."""
     allowed = {group: MayAct(1.0, least) for group, least in shortest}
     groups = {*allowed} | {STEADY[group] for group in allowed.keys() & STEADY}
-    none, joints = np.zeros((nodes, 3)), np.zeros((nodes, len(robot.joints)))
-    level, S = np.tile(np.eye(3), (nodes, 1, 1)), PointMotion(none, none)
-    at = RobotMotion(
-        robot, dt * np.arange(nodes), joints, joints, level, none, S, allowed=allowed
-    )
-    return _changes(at, dt, none, groups & IN_TIME)
+    at = replace(at_rest(robot, dt * np.arange(nodes)), allowed=allowed)
+    return _changes(at, dt, np.zeros((nodes, 3)), groups & IN_TIME)
 
 
 class OutsideChanges:

@@ -94,7 +94,6 @@ class Descent:
         kept = self._polytope.rows.any(axis=1) & (slack < self._stage.near)
         normals = self._polytope.rows[kept]
         room = self._polytope.room.ravel()[kept]
-        base = len(self._problem.limited)
 
         def value(x: np.ndarray) -> tuple[float, np.ndarray]:
             candidate = self._candidate(x.reshape(shape))
@@ -103,16 +102,12 @@ class Descent:
             return candidate.smooth, candidate.gradient.ravel()
 
         def slacks(x: np.ndarray) -> np.ndarray:
-            joints = room - normals @ x
-            if not base:
-                return joints
-            return np.concatenate([1 - self._candidate(x.reshape(shape)).used, joints])
+            used = self._candidate(x.reshape(shape)).used
+            return np.concatenate([1 - used, room - normals @ x])
 
         def slack_gradients(x: np.ndarray) -> np.ndarray:
-            if not base:
-                return -normals
             used = self._candidate(x.reshape(shape)).used_gradient
-            return -np.concatenate([used.reshape(base, -1), normals])
+            return -np.concatenate([used.reshape(len(used), x.size), normals])
 
         try:
             minimize(

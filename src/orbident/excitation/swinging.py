@@ -34,7 +34,6 @@ from orbident.model.rotations import quaternion_matrix, rotation_angle
 from orbident.robot.description import Coupling, Robot
 from orbident.simulation.flight import FreeFlying
 from orbident.simulation.simulate import fly_along
-from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
 OF_THE_TWIN = (
@@ -133,7 +132,6 @@ class SwingSearch(MotionSearch):
         self.searched.refused += 1
 
 
-@one_blas_thread
 def design_swinging(
     robot: Robot,
     given: Conditions,

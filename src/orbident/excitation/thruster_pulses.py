@@ -22,12 +22,10 @@ from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import Driven
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import Driven, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse
-from orbident.threads import one_blas_thread
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 
@@ -140,26 +138,60 @@ class PulseSearch(MotionSearch):
 
     def search(self) -> None:
         """Draw sequences, and keep those within their limits."""
-        searched, robot, given = self.searched, self.robot, self.given
+        searched = self.searched
         while self.effort.begins(searched, 1.0):
-            drawn = _sequence(robot, given, self.brakes, self.random)
-            if drawn.pulses and drawn.over(given.limits) <= 0:
-                motion = _trajectory(robot, given, drawn.pulses)
-                value = log_deviation(robot, motion)
+            drawn = self._sequence()
+            if drawn.pulses and drawn.over(self.given.limits) <= 0:
+                motion = _trajectory(self.robot, self.given, drawn.pulses)
+                value = log_deviation(self.robot, motion)
                 searched.random.append(FeasiblePulses(motion, value, drawn.extremes()))
                 searched.starts += 1
             else:
                 searched.refused += 1
             self.tell(searched.starts)
 
+    def _sequence(self) -> PulseSequence:
+        """Pulses until the end, each drawn so that the robot could still brake."""
+        robot, given = self.robot, self.given
+        still = _trajectory(robot, given, ())
+        base = BaseState.of(given.initial, robot)
+        state, t, made = standing(base, np.zeros(0)), 0.0, PulseSequence((), ())
+        while t < given.duration - SHORTEST_PULSE:
+            best = np.inf, made, t
+            for _ in range(DRAWS):
+                drawn, end = self._drawn(t)
+                times = np.linspace(t, end, SEEN)
+                flight = free_flying(robot, times, state, still, Driven(), pulses=drawn)
+                longer = PulseSequence((*made.pulses, *drawn), (*made.flights, flight))
+                paid = end / given.duration * given.limits.impulse
+                over = longer.over(replace(given.limits, impulse=paid), self.brakes)
+                if over < best[0]:
+                    best = over, longer, end
+                if over <= 0:
+                    break
+            _, made, t = best
+            state = made.flights[-1].state(-1)
+        return made
 
-@one_blas_thread
+    def _drawn(self, t: float) -> tuple[tuple[Pulse, ...], float]:
+        """None, one or two thrusters from now on, and until when; edges are at rows."""
+        duration, rate = self.given.duration, self.robot.sensors.rows_per_second
+        longest = max(LONGEST_PULSE * duration, SHORTEST_PULSE)
+        length = SHORTEST_PULSE * (longest / SHORTEST_PULSE) ** self.random.uniform()
+        end = max(round((t + length) * rate), round(t * rate) + 1) / rate
+        end = min(end, duration)
+        fired = [each for each in self.robot.thrusters if each.thrust]
+        chosen = self.random.permutation(len(fired))[: self.random.integers(0, 3)]
+        pulses = (Pulse(fired[k].name, t, end, fired[k].thrust or 0.0) for k in chosen)
+        return tuple(pulses), end
+
+
 def design_pulses(
     robot: Robot,
     given: Conditions,
     effort: Effort,
-    seed: int = 0,
-    progress: Callable[[Progress], object] = lambda _: None,
+    seed: int,
+    progress: Callable[[Progress], object],
 ) -> Trajectory:
     """The best of random sequences of pulses that keep to the limits.
 
@@ -201,45 +233,6 @@ def design_pulses(
         },
     }
     return replace(searched.random[best].motion, design=made)
-
-
-def _sequence(
-    robot: Robot, given: Conditions, brakes: Brakes, random: np.random.Generator
-) -> PulseSequence:
-    """Pulses until the end, each drawn so that the robot could still brake."""
-    still = _trajectory(robot, given, ())
-    base = BaseState.of(given.initial, robot)
-    state, t, made = standing(base, np.zeros(0)), 0.0, PulseSequence((), ())
-    rate = robot.sensors.rows_per_second
-    while t < given.duration - SHORTEST_PULSE:
-        best = np.inf, made, t
-        for _ in range(DRAWS):
-            drawn, end = _drawn(robot, given.duration, t, rate, random)
-            times = np.linspace(t, end, SEEN)
-            flight = free_flying(robot, times, state, still, Driven(), pulses=drawn)
-            longer = PulseSequence((*made.pulses, *drawn), (*made.flights, flight))
-            paid = end / given.duration * given.limits.impulse
-            over = longer.over(replace(given.limits, impulse=paid), brakes)
-            if over < best[0]:
-                best = over, longer, end
-            if over <= 0:
-                break
-        _, made, t = best
-        state = made.flights[-1].state(-1)
-    return made
-
-
-def _drawn(
-    robot: Robot, duration: float, t: float, rate: float, random: np.random.Generator
-) -> tuple[tuple[Pulse, ...], float]:
-    """None, one or two thrusters from now on, and until when; edges are at rows."""
-    longest = max(LONGEST_PULSE * duration, SHORTEST_PULSE)
-    length = SHORTEST_PULSE * (longest / SHORTEST_PULSE) ** random.uniform()
-    end = min(max(round((t + length) * rate), round(t * rate) + 1) / rate, duration)
-    fired = [each for each in robot.thrusters if each.thrust]
-    chosen = random.permutation(len(fired))[: random.integers(0, 3)]
-    pulses = (Pulse(fired[k].name, t, end, fired[k].thrust or 0.0) for k in chosen)
-    return tuple(pulses), end
 
 
 def _trajectory(

@@ -1,7 +1,10 @@
-"""A free-flying motion: where it starts, its steps, what it was."""
+"""A free-flying motion: what commands it, where it starts, its steps, what it was.
+
+What a robot is commanded to do is data, which the core evaluates.
+"""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -9,21 +12,113 @@ from jaxtyping import Bool, Float
 from orbident import _core
 from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import movable
-from orbident.model.kinematics import springs_on
+from orbident.model.kinematics import JointState, springs_on
 from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import (
-    AttitudeHold,
-    ComputedTorque,
-    Driven,
-    JointLaw,
-    JointPD,
-    OpenLoop,
-    WheelLaw,
-    WheelLimits,
-    WheelSpeed,
-)
 from orbident.simulation.free_floating import BaseState, JointMotion
+
+
+class Hold(NamedTuple):
+    """Joints that are commanded to stay."""
+
+    q: Float[np.ndarray, " joints"]
+
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
+        """Positions, rates and accelerations at the times `t`, s: all joints rest."""
+        q = np.tile(self.q, (t.size, 1))
+        return q, np.zeros_like(q), np.zeros_like(q)
+
+
+class JointPD(NamedTuple):
+    """`tau = Kp (q_d - q) + Kd (qd_d - qd)`, N m or N."""
+
+    Kp: Float[np.ndarray, " joints"]
+    Kd: Float[np.ndarray, " joints"]
+
+
+class Driven(NamedTuple):
+    """The joints do exactly as commanded, whatever torque that takes."""
+
+
+class WheelSpeed(NamedTuple):
+    """`tau_rw = k (qd_rw,d - qd_rw)`: brings each wheel to a speed."""
+
+    k: Float[np.ndarray, " wheels"]
+    """N m s/rad."""
+    speed: Float[np.ndarray, " wheels"]
+    """Relative to the base, rad/s."""
+
+
+class AttitudeHold(NamedTuple):
+    """The wheels turn the base back to an attitude: `n = -kp e - kd w`.
+
+    `e` is twice the vector part of the quaternion from the wanted attitude, base
+    axes; a rotor that is driven by `tau_rw` turns the base by `-a tau_rw`. The wheels
+    share the moment about the axes that they span, by the pseudo-inverse of their axes.
+    """
+
+    kp: float
+    """N m/rad."""
+    kd: float
+    """N m s/rad."""
+    x_WD: Float[np.ndarray, "4"]
+    """The attitude to hold, unit quaternion, scalar last."""
+
+
+class OpenLoop(NamedTuple):
+    """Torques that depend on time alone."""
+
+    torque: Callable[[Float[np.ndarray, " n"]], Float[np.ndarray, "n actuators"]]
+    """Torque at given times (s): of each joint (N m or N), or on each rotor (N m)."""
+
+
+AttitudeState = tuple[
+    Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]
+]
+"""Attitude `x_WD`; its rate and acceleration in D's axes, rad and s."""
+
+
+@runtime_checkable
+class AttitudeMotion(Protocol):
+    """What the base is commanded to do: any function of time."""
+
+    def at(self, t: Float[np.ndarray, " n"]) -> AttitudeState:
+        """The attitude at the times `t`, s, and how it changes."""
+        ...
+
+
+class ComputedTorque(NamedTuple):
+    """The torques for which a model says `y'' = y_d'' + kd e' + kp e`, for all of y.
+
+    `y` are the joints and the attitude of the base; the wheels' accelerations are what
+    this takes, and the system CM is left alone. One such law is the law of the joints
+    and of the wheels.
+    """
+
+    model: Robot
+    """The robot as the controller has it: torques follow from its `theta`."""
+    base: AttitudeMotion
+    kp: float
+    """1/s^2."""
+    kd: float
+    """1/s."""
+
+
+JointLaw = JointPD | Driven | OpenLoop | ComputedTorque
+WheelLaw = WheelSpeed | AttitudeHold | OpenLoop | ComputedTorque
+
+
+class WheelLimits(NamedTuple):
+    """The greatest torques and speeds of motors; infinite where there is no limit.
+
+    A motor gives at most its greatest torque, and none that drives the wheel beyond its
+    top speed: over the last 2 % of that speed the torque falls to zero.
+    """
+
+    torque: Float[np.ndarray, " wheels"]
+    """N m."""
+    speed: Float[np.ndarray, " wheels"]
+    """Relative to the base, rad/s."""
 
 
 class FlyingState(NamedTuple):
@@ -168,19 +263,17 @@ def vehicle_of(
     Passive joints are on their springs, whatever the law.
     """
     K, W = len(robot.joints), len(robot.wheels)
-    pd, speed = JointPD(np.zeros(K), np.zeros(K)), WheelSpeed(np.zeros(W), np.zeros(W))
-    hold = AttitudeHold(0.0, 0.0, UNTURNED, np.zeros((W, 3)))
-    pd = joints if isinstance(joints, JointPD) else pd
-    springs = springs_on(robot)
-    speed = wheels if isinstance(wheels, WheelSpeed) else speed
-    hold = wheels if isinstance(wheels, AttitudeHold) else hold
-    unlimited = np.full(W, np.inf)
-    limits = limits or WheelLimits(unlimited, unlimited)
+    pd = joints if isinstance(joints, JointPD) else JointPD(*np.zeros((2, K)))
+    speed = wheels if isinstance(wheels, WheelSpeed) else WheelSpeed(*np.zeros((2, W)))
+    none = AttitudeHold(0.0, 0.0, UNTURNED)
+    hold = wheels if isinstance(wheels, AttitudeHold) else none
+    springs, rotors = springs_on(robot), wheels_of(robot)
+    limits = limits or WheelLimits(*np.full((2, W), np.inf))
     free = movable(robot).astype(float)
     if isinstance(joints, Driven):
         free[6 : 6 + K] = [name in robot.passive for name in robot.joint_names]
     if wheels is None:
-        free[6 + K :] = wheels_of(robot).free
+        free[6 + K :] = rotors.free
     computed = None
     if isinstance(joints, ComputedTorque):
         of_momentum = np.linalg.pinv(wheels_of(joints.model).A_rw)
@@ -193,7 +286,7 @@ def vehicle_of(
         Kd=pd.Kd + springs.c,
         k=speed.k,
         speed=speed.speed,
-        share=hold.share,
+        share=np.linalg.pinv(rotors.axes),
         kp=hold.kp,
         kd=hold.kd,
         x_WD=hold.x_WD,

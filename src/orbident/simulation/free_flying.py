@@ -14,12 +14,15 @@ from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_an
 from orbident.robot.description import Robot
 from orbident.robot.joint_schema import require_measured
 from orbident.robot.parameters import inertia_about_com
-from orbident.simulation.control_laws import Driven, JointLaw, WheelLaw, WheelLimits
 from orbident.simulation.flight import (
     AT_S,
+    Driven,
     FlightStates,
     FlyingState,
     FreeFlying,
+    JointLaw,
+    WheelLaw,
+    WheelLimits,
     commanded,
     integrate,
     vehicle_of,

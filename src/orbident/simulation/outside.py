@@ -185,7 +185,7 @@ def outside_of(
             x = markov(random, t, np.full(3, slow.std), T)
             drawn[name] = partial(straight, at=t, x=x)
     world = World(environment, arc_of(robot, environment, t), drawn)
-    loads = loads_of(world, at_rest(robot))
+    loads = loads_of(world, at_rest(robot, np.zeros(3)))
     points = (WrenchPoint(load.body, load.point) for load in loads)
     return ExternalForces(robot, world, tuple(points))
 

@@ -1,6 +1,5 @@
 """What a trajectory is at even times: as it is recorded, and as it is to be flown."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,8 +19,7 @@ from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.joint_schema import require_measured
-from orbident.simulation.control_laws import Driven
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import Driven, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import (
@@ -241,60 +239,50 @@ SECOND = 1_000_000_000
 """ns."""
 
 
-class SampledTrajectory(NamedTuple):
-    """A trajectory at some times, the last its end."""
-
-    joints: tuple[str, ...]
-    t: Float[np.ndarray, " n"]
-    """s."""
-    q: Float[np.ndarray, "n joints"]
-    """rad or m."""
-    qd: Float[np.ndarray, "n joints"]
-    qdd: Float[np.ndarray, "n joints"]
-    duty: Mapping[str, Float[np.ndarray, " n"]]
-    """Of each thruster that fires, until the next sample."""
-
-
-def sampled(trajectory: Trajectory, rate: float) -> SampledTrajectory:
-    """Samples at an even rate, and one at the end.
-
-    The rate is in Hz.
+def times_to_the_end(
+    trajectory: Trajectory, rate: float
+) -> Float[np.ndarray, " samples"]:
+    """Times at an even rate (Hz), and that of the end, s.
 
     Raises:
         InputError: the rate is not positive, or gives too few or too many samples.
     """
     t = sample_times(trajectory.duration, rate)
-    if t[-1] < trajectory.duration:
-        t = np.append(t, trajectory.duration)
+    return t if t[-1] == trajectory.duration else np.append(t, trajectory.duration)
+
+
+def motion_table(trajectory: Trajectory, t: Float[np.ndarray, " samples"]) -> Recording:
+    """As a table: `t`, s, and `joint.<name>.position`, `.velocity`, `.acceleration`.
+
+    And `thruster.<name>.duty`, from 0 to 1, of each thruster that fires, until the next
+    sample.
+    """
     fired = trajectory.environment.thrusters if trajectory.environment else {}
-    duty = {
-        name: sum((part_on(pulse, t) for pulse in each.pulses), np.zeros(t.size))
+    columns = {
+        f"thruster.{name}.duty": sum(
+            (part_on(pulse, t) for pulse in each.pulses), np.zeros(t.size)
+        )
         for name, each in fired.items()
     }
-    return SampledTrajectory(trajectory.joints, t, *trajectory.at(t), duty)
+    for name, q, qd, qdd in zip(
+        trajectory.joints, *(x.T for x in trajectory.at(t)), strict=True
+    ):
+        columns[f"joint.{name}.position"] = q
+        columns[f"joint.{name}.velocity"] = qd
+        columns[f"joint.{name}.acceleration"] = qdd
+    return Recording(t, columns, source="samples")
 
 
-def motion_table(samples: SampledTrajectory) -> Recording:
-    """As a table: `t`, and `joint.<name>.position`, `.velocity`, `.acceleration`.
-
-    And `thruster.<name>.duty`, from 0 to 1.
-    """
-    columns = {f"thruster.{name}.duty": duty for name, duty in samples.duty.items()}
-    for k, name in enumerate(samples.joints):
-        columns[f"joint.{name}.position"] = samples.q[:, k]
-        columns[f"joint.{name}.velocity"] = samples.qd[:, k]
-        columns[f"joint.{name}.acceleration"] = samples.qdd[:, k]
-    return Recording(samples.t, columns, source="samples")
-
-
-def write_joint_trajectory(samples: SampledTrajectory, path: Path) -> None:
-    """Writes a ROS `trajectory_msgs/JointTrajectory` as YAML.
+def write_joint_trajectory(
+    trajectory: Trajectory, t: Float[np.ndarray, " samples"], path: Path
+) -> None:
+    """Writes a ROS `trajectory_msgs/JointTrajectory` at these times (s) as YAML.
 
     Raises:
         InputError: there are no joints, or the folder does not exist or cannot be
             written to.
     """
-    if not samples.joints:
+    if not trajectory.joints:
         raise InputError(
             f"{path}: a joint trajectory has no pulses of thrusters, and here are no "
             "joints; write a table"
@@ -308,14 +296,12 @@ def write_joint_trajectory(samples: SampledTrajectory, path: Path) -> None:
             "time_from_start": {"sec": ns // SECOND, "nanosec": ns % SECOND},
         }
         for ns, q, qd, qdd in zip(
-            np.round(samples.t * SECOND).astype(int).tolist(),
-            *(samples.q, samples.qd, samples.qdd),
-            strict=True,
+            np.round(t * SECOND).astype(int).tolist(), *trajectory.at(t), strict=True
         )
     ]
     message: dict[str, Any] = {
         "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
-        "joint_names": list(samples.joints),
+        "joint_names": list(trajectory.joints),
         "points": points,
     }
     write_text(path, yaml.safe_dump(message, sort_keys=False, default_flow_style=None))

@@ -29,8 +29,7 @@ from orbident.robot.parameters import (
     from_mass_com_inertia,
     inertia_about_com,
 )
-from orbident.simulation.control_laws import AttitudeState, ComputedTorque
-from orbident.simulation.flight import standing
+from orbident.simulation.flight import AttitudeState, ComputedTorque, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import Truth, measure_truth, truth_of

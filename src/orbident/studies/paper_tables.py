@@ -224,43 +224,42 @@ def spatial_columns(q: Vector, qd: Vector, w: Vector) -> PaperColumns:
     return PaperColumns(np.stack(Y, axis=1), np.stack(W, axis=1), np.zeros(3))
 
 
-def planar_columns(r_joint1: tuple[float, float] = PLANAR_JOINT1) -> Columns:
+def planar_columns(
+    q: Float[np.ndarray, "2"],
+    qd: Float[np.ndarray, "2"],
+    w: Vector,
+    r_joint1: tuple[float, float] = PLANAR_JOINT1,
+) -> PaperColumns:
     """The 8 + 4 columns of the planar arm (Eqs. A.4 and A.7), base axes.
 
     `r_joint1` is from S to the first joint, base axes, m.
     """
-
-    def columns(
-        q: Float[np.ndarray, "2"], qd: Float[np.ndarray, "2"], w: Vector
-    ) -> PaperColumns:
-        w0 = w[2]
-        w1 = w0 + qd[0]
-        w2 = w1 + qd[1]
-        c1, s1 = np.cos(q[0]), np.sin(q[0])
-        c12, s12 = np.cos(q[0] + q[1]), np.sin(q[0] + q[1])
-        c2 = np.cos(q[1])
-        Y = [c1 * (w0 + w1), c12 * (w0 + w2), s1 * (w0 + w1), s12 * (w0 + w2)]
-        Y += [w0, c2 * (w1 + w2), w1, w2]
-        # z x e for the base's axes and the links' directions
-        W = np.stack(
-            [
-                w0 * np.array([0.0, 1.0]),
-                w0 * np.array([-1.0, 0.0]),
-                -w1 * np.stack([-s1, c1]),
-                -w2 * np.stack([-s12, c12]),
-            ],
-            axis=1,
-        )
-        x = -w0 * np.array([-r_joint1[1], r_joint1[0]])
-        return PaperColumns(np.stack(Y)[None], W, x)
-
-    return columns
+    w0 = w[2]
+    w1 = w0 + qd[0]
+    w2 = w1 + qd[1]
+    c1, s1 = np.cos(q[0]), np.sin(q[0])
+    c12, s12 = np.cos(q[0] + q[1]), np.sin(q[0] + q[1])
+    c2 = np.cos(q[1])
+    Y = [c1 * (w0 + w1), c12 * (w0 + w2), s1 * (w0 + w1), s12 * (w0 + w2)]
+    Y += [w0, c2 * (w1 + w2), w1, w2]
+    # z x e for the base's axes and the links' directions
+    W = np.stack(
+        [
+            w0 * np.array([0.0, 1.0]),
+            w0 * np.array([-1.0, 0.0]),
+            -w1 * np.stack([-s1, c1]),
+            -w2 * np.stack([-s12, c12]),
+        ],
+        axis=1,
+    )
+    x = -w0 * np.array([-r_joint1[1], r_joint1[0]])
+    return PaperColumns(np.stack(Y)[None], W, x)
 
 
 def paper_basis(sets: MinimalSets, columns: Columns) -> PaperBasis:
     """The change from the automatic minimal sets to the paper's.
 
-    The columns are `spatial_columns`, or what `planar_columns` gives.
+    The columns are `spatial_columns` or `planar_columns`.
 
     Raises:
         InputError: the robot is not the paper's: its regressors span another space.

@@ -18,14 +18,16 @@ from orbident.model.kinematics import JointState
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import (
+from orbident.simulation.flight import (
+    AttitudeHold,
+    FlyingState,
+    FreeFlying,
     Hold,
     JointPD,
     WheelLimits,
     WheelSpeed,
-    attitude_hold,
+    standing,
 )
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
@@ -174,9 +176,7 @@ def _spun_up(robot: Robot, q: Float[np.ndarray, " joints"], yaw: float) -> Flyin
 
 def _burn(robot: Robot) -> FreeFlying:
     base = _at_rest(yaw=0.0, drift=paper_tables.BURN_DRIFT)
-    hold = attitude_hold(
-        robot, paper_tables.HOLD_KP, paper_tables.HOLD_KD, base.attitude
-    )
+    hold = AttitudeHold(paper_tables.HOLD_KP, paper_tables.HOLD_KD, base.attitude)
     return free_flying(
         robot,
         _times(0.0, BURN_RECORD),

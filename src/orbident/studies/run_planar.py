@@ -184,7 +184,7 @@ def run_planar(
     robot = planar_robot()
     trajectory = planar_trajectory(robot)
     flights = fly_planar(robot, trajectory)
-    table = PaperParameters.of(robot, paper_tables.planar_columns())
+    table = PaperParameters.of(robot, paper_tables.planar_columns)
     filters = PaperFilters(Filters(), Filters())
     if noise == "none":
         runs, first = ONE_RUN, run_ideal(robot, flights, method)

@@ -25,8 +25,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.robot.units import STANDARD_GRAVITY
-from orbident.simulation.control_laws import OpenLoop
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import FreeFlying, OpenLoop, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies import paper_tables
@@ -269,7 +268,7 @@ def run_table(runs: SeedRuns = ONE_RUN) -> TableStudy:
     started = time.perf_counter()
     robot = table_robot()
     motions = table_motions(robot)
-    table = PaperParameters.of(robot, paper_tables.planar_columns())
+    table = PaperParameters.of(robot, paper_tables.planar_columns)
     noisy = _NoisyTable(robot, motions, table, Filters())
     first = noisy.run(runs.first)
     series = Series(noisy.run, runs.numbers, noisy.quantities_of, (first,))

@@ -103,7 +103,7 @@ def paper_case(robot: Robot) -> PaperCase:
         printed = planar_trajectory(robot)
         initial = spun_up(robot, dict(printed.initial.wheel_speed), printed.start)
         trajectory = replace(printed, initial=initial)
-        columns, quoted = planar_columns(), paper_tables.PLANAR_CONDITION
+        columns, quoted = planar_columns, paper_tables.PLANAR_CONDITION
     else:
         raise InputError(
             f"{robot.name}: --like-paper: the paper has no trajectory for it; use "

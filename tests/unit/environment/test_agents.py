@@ -20,7 +20,7 @@ from small_problems import (
 
 from orbident.choices import DisturbanceGroup
 from orbident.environment.agent import Agent, Disturbance, World
-from orbident.environment.agents import AGENTS, ALIKE, IN_WORDS, NEEDS, WALKS
+from orbident.environment.agents import AGENTS, WALKS
 from orbident.environment.motion import Load, RobotMotion
 from orbident.environment.torques_and_forces import slow_shapes
 from orbident.estimation.identify import identify
@@ -124,6 +124,9 @@ def xyz(group: str, sizes: np.ndarray, more: str = "") -> dict[str, float]:
     return {f"{group}.{axis}{more}": float(size) for axis, size in axes}
 
 
+TESTED = [group for group, each in AGENTS.items() if each.words]
+"""What is tested for, or may be asked for."""
+
 CASES = {
     "torque": Case(TABLE, {"torque": [0, 0, 1e-3]}, {"torque.z": 1e-3}),
     "slow_torque": Case(
@@ -215,7 +218,7 @@ def test_what_acts_is_identified(group: str, monkeypatch: pytest.MonkeyPatch):
 
 def test_no_agent_is_left_out():
     """Walks and springs have tests of their own."""
-    assert {*CASES, *WALKS, "on_springs"} == {*IN_WORDS}
+    assert {*CASES, *WALKS, "on_springs"} == {*TESTED}
 
 
 class Swirl(Agent):
@@ -242,8 +245,6 @@ class Swirl(Agent):
 def test_a_new_agent_is_one_class(monkeypatch: pytest.MonkeyPatch):
     """It is simulated, found by the test of what acts, and named in words."""
     monkeypatch.setitem(AGENTS, Swirl.group, Swirl())
-    monkeypatch.setitem(IN_WORDS, Swirl.group, Swirl.words)
-    monkeypatch.setitem(ALIKE, Swirl.group, Swirl.alike)
     robot = replace(TABLE, pads={})
     result = identified(robot, flown(robot, {}))
     assert set(result.disturbances) == {"swirl.size"}
@@ -253,5 +254,5 @@ def test_a_new_agent_is_one_class(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_command_line_and_the_robot_file_have_the_agents_names():
-    assert [*DisturbanceGroup] == [*IN_WORDS]
-    assert {*NEEDS} <= {*IN_WORDS}
+    assert [*DisturbanceGroup] == TESTED
+    assert {group for group, each in AGENTS.items() if each.needs} <= {*TESTED}

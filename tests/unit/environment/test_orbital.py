@@ -21,7 +21,7 @@ def acting(agent: Agent, **what) -> Load:
     """What acts of it alone on the robot at rest, above the equator."""
     orbit = {"altitude": "400 km", "inclination": 0}
     given = Environment.model_validate({"orbit": orbit, **what})
-    (load,) = agent.loads(World(given, EQUATOR), at_rest(ROBOT))
+    (load,) = agent.loads(World(given, EQUATOR), at_rest(ROBOT, np.zeros(3)))
     return load
 
 

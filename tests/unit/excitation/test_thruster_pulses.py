@@ -14,7 +14,7 @@ from orbident.excitation.design import design_excitation, design_recordings
 from orbident.excitation.table_points import TableSize
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.simulate import motion_table, sampled, simulate
+from orbident.simulation.simulate import motion_table, simulate, times_to_the_end
 
 SENSORS = (
     "sensors:\n  position: {std: 0.3 mm, rate: 20}\n"
@@ -44,7 +44,7 @@ def summed(duty: dict[str, np.ndarray], dt: float) -> tuple[np.ndarray, np.ndarr
 def test_limits_are_kept_by_a_flight_of_plain_sums(tmp_path: Path):
     robot = satellite(tmp_path, more=SENSORS)
     motion = designed(robot, table=TableSize(0.5, 0.3), base_rate=0.4, impulse=5.0)
-    table = motion_table(sampled(motion, 1000.0))
+    table = motion_table(motion, times_to_the_end(motion, 1000.0))
     duty = {name: table.column(name) for name in table.columns}
     assert set(np.round(np.concatenate([*duty.values()]), 9)) == {0.0, 1.0}
     w, place = summed(duty | {n: 0 * table.t for n in absent(duty)}, 1e-3)

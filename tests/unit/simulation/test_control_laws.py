@@ -8,17 +8,18 @@ from random_robots import random_quaternion, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot, Wheel
-from orbident.simulation.control_laws import (
+from orbident.simulation.flight import (
+    AttitudeHold,
     ComputedTorque,
+    FlyingState,
+    FreeFlying,
     Hold,
     JointLaw,
     JointPD,
     OpenLoop,
     WheelLaw,
     WheelSpeed,
-    attitude_hold,
 )
-from orbident.simulation.flight import FlyingState, FreeFlying
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies.control import Slew
@@ -100,7 +101,7 @@ def test_attitude_hold_turns_the_base_back(sign):
     """The moment on the base is `-kp e - kd w`, with e from SciPy."""
     x_WD, x_WB = random_quaternion(RANDOM), sign * random_quaternion(RANDOM)
     robot, start = robot_with(X, Y, Z), state(attitude=x_WB)
-    run = asked(robot, start, NOTHING, attitude_hold(robot, 0.3, 0.7, x_WD))
+    run = asked(robot, start, NOTHING, AttitudeHold(0.3, 0.7, x_WD))
     R_DB = Rotation.from_quat(x_WD).inv() * Rotation.from_quat(x_WB)
     turn = R_DB.as_rotvec()
     angle = np.linalg.norm(turn)
@@ -117,7 +118,7 @@ def test_attitude_hold_with_more_wheels_than_axes():
         base=start.base._replace(wheel_speed=np.zeros(4)), q_rw=np.zeros(4)
     )
     three, four = (
-        asked(robot, start, NOTHING, attitude_hold(robot, 0.3, 0.7, x_WD)).tau_rw[0]
+        asked(robot, start, NOTHING, AttitudeHold(0.3, 0.7, x_WD)).tau_rw[0]
         for robot, start in (
             (robot_with(X, Y, Z), start),
             (robot_with(*axes), with_four),
@@ -132,7 +133,7 @@ def test_one_wheel_holds_about_its_own_axis():
         base=start.base._replace(wheel_speed=np.zeros(1)), q_rw=np.zeros(1)
     )
     three, one = (
-        asked(robot, start, NOTHING, attitude_hold(robot, 0.3, 0.7, x_WD)).tau_rw[0]
+        asked(robot, start, NOTHING, AttitudeHold(0.3, 0.7, x_WD)).tau_rw[0]
         for robot, start in ((robot_with(X, Y, Z), start), (robot_with(Y), with_one))
     )
     np.testing.assert_allclose(one, three[1:2], atol=ROUNDING)

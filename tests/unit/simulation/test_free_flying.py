@@ -10,16 +10,17 @@ from orbident.errors import InputError
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.control_laws import (
+from orbident.simulation.flight import (
+    AttitudeHold,
     ComputedTorque,
+    FreeFlying,
     Hold,
     JointPD,
     OpenLoop,
     WheelLimits,
     WheelSpeed,
-    attitude_hold,
+    standing,
 )
-from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse
@@ -197,7 +198,7 @@ def test_wheel_never_exceeds_its_speed():
 
 def test_burn_with_attitude_held():
     """Section 5.5: half a second of thrust, locked joints, the wheel holds the yaw."""
-    hold = attitude_hold(CEPHEUS, 0.3, 0.3, LEVEL)
+    hold = AttitudeHold(0.3, 0.3, LEVEL)
     run = fly(
         CEPHEUS,
         t=np.linspace(0.0, 20.0, 201),

@@ -7,8 +7,7 @@ import pytest
 from random_robots import random_robot
 
 from orbident.robot.description import Wheel
-from orbident.simulation.control_laws import Hold, OpenLoop, WheelLimits
-from orbident.simulation.flight import standing
+from orbident.simulation.flight import Hold, OpenLoop, WheelLimits, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 

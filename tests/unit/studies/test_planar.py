@@ -7,8 +7,14 @@ from scipy.spatial.transform import Rotation
 
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
-from orbident.simulation.control_laws import Hold, JointPD, WheelSpeed
-from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.flight import (
+    FlyingState,
+    FreeFlying,
+    Hold,
+    JointPD,
+    WheelSpeed,
+    standing,
+)
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from orbident.environment.agents import NEEDS, WALKS
+from orbident.environment.agents import AGENTS, WALKS
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import hidden_of, prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
@@ -243,5 +243,5 @@ def check_disturbances_show(problem: Problem) -> None:
     for name in [each for each in names if each not in every]:
         raise InputError(
             f"disturbance '{name}' is asked for, and shows in no "
-            f"recording without {NEEDS[name]}; give that, or do not ask for it"
+            f"recording without {AGENTS[name].needs}; give that, or do not ask for it"
         )

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, UNTESTED, WALKS
+from orbident.environment.agents import AGENTS, FREE, SLOW, STEADY, UNTESTED, WALKS
 from orbident.estimation.levels import ChiSquare, integrated_out, limit
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.disturbance_sizes import (
@@ -306,7 +306,7 @@ def _as_it_acts(
         return None
     size = size_of(freed.problem, solution, family)
     sizes = {name: each.size for name, each in problem.acting.allowed.items()}
-    others = [each for each in ALIKE[family] if each not in beside]
+    others = [each for each in AGENTS[family].alike if each not in beside]
     alike = {each: max(size, sizes.get(each, 0.0)) for each in others}
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})

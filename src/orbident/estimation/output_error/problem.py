@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
-from orbident.environment.agents import DENSITY, FREE
+from orbident.environment.agents import AGENTS, FREE
 from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
@@ -313,7 +313,7 @@ def problem_of(
         weights,
         loose,
         lasting,
-        tuple(x for x in walks if not getattr(robot.momentum_walk, DENSITY[x])),
+        tuple(x for x in walks if not getattr(robot.momentum_walk, AGENTS[x].density)),
         (*calibrations_of(robot, shown, free), *acting.recorded),
         acting,
     )
@@ -324,7 +324,7 @@ def without_walks(robot: Robot, walks: Collection[str]) -> Robot:
     kept = {
         name: x for name, x in (robot.disturbances or {}).items() if name not in walks
     }
-    densities = dict.fromkeys((DENSITY[each] for each in walks), 0.0)
+    densities = dict.fromkeys((AGENTS[each].density for each in walks), 0.0)
     return replace(
         robot,
         disturbances=None if robot.disturbances is None else kept,

@@ -23,7 +23,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
-from orbident.environment.agents import ALIKE, FREE, NOISE, UNTESTED
+from orbident.environment.agents import AGENTS, FREE, NOISE, UNTESTED
 from orbident.estimation.levels import limit
 from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.problem import Problem, common_factor
@@ -166,7 +166,7 @@ def taken_for_zero(problem: Problem, solution: Solution, tested: bool) -> TakenF
     every = problem.acting.unknowns if tested else ()
     families = dict.fromkeys(each.family for each in every)
     apart = {*shown, *UNTESTED}
-    absent = [x for x in families if x not in apart and not free & {*ALIKE[x]}]
+    absent = [x for x in families if x not in apart and not free & {*AGENTS[x].alike}]
     return TakenForZero(problem, solution, tuple(absent))
 
 

@@ -38,8 +38,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
 from orbident.robot.may_act import may_act
 from orbident.robot.sensor_schema import declared_sensors
-from orbident.simulation.control_laws import JointPD
-from orbident.simulation.flight import standing
+from orbident.simulation.flight import JointPD, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.outside import Pulse

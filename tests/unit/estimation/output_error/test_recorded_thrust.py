@@ -17,8 +17,7 @@ from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
 from orbident.robot.sensor_schema import declared_sensors
-from orbident.simulation.control_laws import JointPD
-from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.flight import FreeFlying, JointPD, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight

@@ -11,8 +11,7 @@ from orbident.robot.description import Thruster
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.robot.tolerances import Tolerances
-from orbident.simulation.control_laws import JointPD
-from orbident.simulation.flight import standing
+from orbident.simulation.flight import JointPD, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth, truth_of_flight
