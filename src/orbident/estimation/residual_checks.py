@@ -185,12 +185,14 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
         reason = "no instrument is off by more than its tolerance says"
         yield Check(TOLERANCES, "trust", reason, "", square, most)
         return
+    # What is not told of it stays at zero.
+    usual = abs(fit.value) / np.sqrt(square)
     yield Check(
         TOLERANCES,
         "do not trust",
-        f"{name} would be off by {fit.value:.2g} +- {fit.std:.1g} ({unit}), and "
-        f"{fit.tolerance:.2g} is its tolerance: it, or something that looks like it, "
-        "is not as declared",
+        f"{name} would be off by {fit.value:.2g} ({unit}), where its tolerance of "
+        f"{fit.tolerance:.2g} lets this recording show some {usual:.1g}: it, or "
+        "something that looks like it, is not as declared",
         f"check {name}, or declare a larger tolerance in the robot file",
         square,
         most,

@@ -123,8 +123,7 @@ def base_motion(
     """What gyro and attitude say together, or one of them alone.
 
     Where most rows have both, they are used as they are. Without an attitude the
-    inertial axes are those of the base at the gyro's first sample: they may be chosen
-    freely.
+    inertial axes are those of the base at the gyro's first sample.
 
     Args:
         recording: with a gyro, an attitude, or both.

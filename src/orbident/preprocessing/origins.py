@@ -36,7 +36,7 @@ WORDS = {
     Origin.SMOOTHED_POSITIONS_AND_RATES: "derived: smoothed positions and rates",
     Origin.SMOOTHED_RATES: "derived: smoothed rates",
     Origin.SMOOTHED_ATTITUDE: "derived: smoothed attitude",
-    Origin.INTEGRATED_GYRO: "derived: integrated gyro, from an attitude of zero",
+    Origin.INTEGRATED_GYRO: "derived: integrated gyro",
     Origin.FUSED_ATTITUDE: "derived: gyro and attitude fused",
     Origin.INTEGRATED_ACCELEROMETER: (
         "derived: integrated accelerometer, its bias estimated"

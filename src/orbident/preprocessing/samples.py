@@ -9,11 +9,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.preprocessing.base_motion import (
+    PointVelocity,
     base_motion,
     least_speed_noise,
     point_velocity,
 )
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.first_attitude import with_first_attitude
 from orbident.preprocessing.followers import Lead, as_one_motion, one_motion
 from orbident.preprocessing.histories import (
     Columns,
@@ -257,12 +259,17 @@ def samples_of(
     moving = {head[name] for name in robot.joint_names if name not in held}
     held = {name: x for name, x in held.items() if head[name] not in moving}
     joints = as_one_motion(robot, _holding(joints, robot.joint_names, held), led)
+    x_WB = base.x_WB
+    if _stood_anyhow(robot, base.origins["attitude"], point):
+        x_WB = with_first_attitude(
+            robot, joints.positions, joints.rates, base.w, x_WB, point.v_S
+        )
     return Samples(
         t=recording.t,
         q=joints.positions,
         qd=joints.rates,
         w=base.w,
-        x_WB=base.x_WB,
+        x_WB=x_WB,
         qd_rw=wheels.rates,
         v_S=point.v_S,
         wrenches=recorded_wrenches(robot, recording, around),
@@ -280,6 +287,12 @@ def samples_of(
         source=recording.source,
         speeds=wheels.noise,
     )
+
+
+def _stood_anyhow(robot: Robot, attitude: Origin, point: PointVelocity) -> bool:
+    """Whether nobody saw the attitude, and S was seen in inertial axes of any kind."""
+    unseen = robot.motion == "spatial" and attitude is Origin.INTEGRATED_GYRO
+    return unseen and bool(point.v_S) and not point.origin & BIASED
 
 
 def _holding(

@@ -64,7 +64,11 @@ SLIGHT = 1e-11
 """rad/s and m/s^2 per sqrt(s): with less, rounding hides what else is known of it."""
 
 FIXED = 1e-9
-"""rad: without an attitude sensor, inertial axes are those of the first attitude."""
+"""rad: where nothing is seen in inertial axes, these are those of the first attitude;
+and so they are in the plane without an attitude sensor, where all turns commute."""
+
+TRACKED = "position", "velocity"
+"""Sensors of S in inertial axes."""
 
 BIAS = np.repeat([GyroSpec.UNKNOWN_BIAS, AccelerometerSpec.UNKNOWN_BIAS], 3)
 """Std of biases beforehand, rad/s and m/s^2."""
@@ -309,7 +313,8 @@ def looseness(
         turning: what the attitude walks at least, rad/sqrt(s).
     """
     turns = np.full(3, FIXED)
-    if "attitude" in sensors.by_name:
+    seen = {"attitude"} if robot.motion == "planar" else {"attitude", *TRACKED}
+    if seen & sensors.by_name.keys():
         # Nothing would hold a planar base's tilt, and it is none.
         turns[list(conserved_axes(robot)[0])] = np.pi
     walks = []
