@@ -126,6 +126,42 @@ def test_hardly_any_table_is_refused_on_which_all_acts(duration: float):
     assert inside > 0.93
 
 
+def errors_of_pi(seed: int) -> np.ndarray:
+    """Errors of `pi` over their deviations, without positions; NaN if it is refused."""
+    true, known = long_on_a_table(seed, 20.0)
+    columns = {
+        name: x
+        for name, x in known.recording.columns.items()
+        if not name.startswith(("position", "velocity", "accelerometer"))
+    }
+    alone = Recording(known.recording.t, columns, "without positions")
+    result = identify(known.robot, alone, initial_momentum="at-rest")
+    pi = minimal_sets(true).pi(true.theta)
+    return (result.pi.values - pi) / result.pi.std
+
+
+@pytest.mark.parametrize("seed", [719, slow(705), slow(711), slow(715)])
+def test_all_that_acts_on_a_table_without_positions(seed: int):
+    """All had been refused: joints were said to be in degrees, `pi` to have no scale,
+    and two searches had no end."""
+    off = errors_of_pi(seed)
+    assert np.isfinite(off).any()
+    assert np.nanmax(np.abs(off)) < 4
+
+
+@pytest.mark.long
+def test_most_tables_without_positions_are_accepted():
+    """Where momentum alone hardly shows a robot, a search creeps along a valley."""
+    off = [errors_of_pi(seed) for seed in range(601, 661, 2)]
+    accepted = [each for each in off if np.isfinite(each).any()]
+    each = np.abs(np.concatenate(accepted))
+    inside = np.mean(each[np.isfinite(each)] < 1.96)
+    print(f"{len(accepted)} of {len(off)}, {inside:.1%} inside")
+    assert len(accepted) >= 0.8 * len(off)
+    assert np.nanmax(each) < 5
+    assert inside > 0.93
+
+
 @pytest.fixture(scope="module")
 def found() -> dict[str, ByMethod]:
     return of_robots([*flights()], min(2, os.cpu_count() or 1))

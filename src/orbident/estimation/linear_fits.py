@@ -33,10 +33,12 @@ and need 100 MB more at 1024."""
 NUMBERS = 2**17
 """Numbers of the equations folded in at once: with fewer, most time goes to calls."""
 
-STILL = 0.5
+STILL = 0.1
+"""A base at rest turns less than this fraction of its later RMS rate."""
+
+HALF = 0.5
 """Part of the wheels' momentum that base and arms have the opposite of, by nominal
-inertia, if they turned as the wheels spun up: all of it, and none of it if they were
-held."""
+inertia: all of it if they turned as the wheels spun up, and none if they were held."""
 
 
 class Fits(NamedTuple):
@@ -274,9 +276,11 @@ def known_momentum(
         return KnownMomentum(h_rw, Y_in)
     # Base at rest and wheels spinning: h_cm is theirs. Base already turning: all was
     # at rest before the wheels spun up, so h_cm = 0 (Eqs. 25 and 26).
-    own = Y_in @ sets.pi(robot.theta)
-    theirs = h_rw[[*regressors.momentum_axes]]
-    still = -own @ theirs < STILL * (theirs @ theirs)
+    rms = np.sqrt(sum(np.nanmean(np.square(w)) for w in samples.w))
+    own, theirs = Y_in @ sets.pi(robot.theta), h_rw[[*regressors.momentum_axes]]
+    # Arms may turn a light base far later on; wheels may be recorded in another unit.
+    still = np.linalg.norm(first.w[0]) <= STILL * rms
+    still &= bool(-own @ theirs < HALF * (theirs @ theirs))
     return KnownMomentum(h_rw if still else np.zeros(3), nothing)
 
 
