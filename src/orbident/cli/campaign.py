@@ -1,14 +1,18 @@
 """`orbident campaign SPEC -o DIR`, `campaign status DIR`, `campaign rerun DIR RUN`."""
 
 import time
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from orbident.cli.identify import keep
 from orbident.cli.options import Workers
 from orbident.cli.output import Output, progress, with_output
+from orbident.data_table import Numeric, table_of
+from orbident.extras import MissingLibraryError
 
 if TYPE_CHECKING:
     from orbident.campaigns.conduct import Done
@@ -115,7 +119,6 @@ def rerun(
     """
     from orbident.campaigns.conduct import repeat_run as made_again
     from orbident.campaigns.folder import check_versions, opened, versions
-    from orbident.cli.identify import keep
     from orbident.cli.identify_tables import summary
 
     begun = opened(folder)
@@ -164,7 +167,6 @@ class _Rate:
 
 def _report(begun: Any, folder: Path) -> list[str]:
     """Write the report; a warning where it could not be made."""
-    from orbident.extras import MissingLibraryError
     from orbident.report.campaign_page import write_campaign_report
 
     try:
@@ -195,10 +197,7 @@ def _tell(output: Output, begun: Any, folder: Path, done: "Done") -> None:
 
 def _levels(begun: Any, folder: Path) -> Any:
     """How many results of each robot and method may be trusted."""
-    from collections import Counter
-
     from orbident.campaigns.folder import read_rows
-    from orbident.data_table import Numeric, table_of
     from orbident.estimation.checks import LEVELS
 
     rows = read_rows(begun, folder, ("robot", "method", "level"))

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from orbident.data_table import Numeric, table_of
 from orbident.files.names import counted
 
 CRITERIA = {
@@ -124,8 +125,6 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
 
 def _joint_table(joints: Any) -> Any:
     """Extremes beside their limits."""
-    from orbident.data_table import table_of
-
     rows = (
         (
             name,
@@ -181,8 +180,6 @@ def swinging(found: Any, robot: Any, at_rest: bool) -> list[Any]:
 
 def pulsed(found: Any) -> list[Any]:
     """A designed sequence of thruster pulses in words."""
-    from orbident.data_table import Numeric, table_of
-
     made, thrusters = found.design, found.environment.thrusters
     beyond = made["beyond_limits"]
     rows = []
@@ -230,7 +227,6 @@ def written(found: Any, out: Path, paper: Any) -> dict[str, Any]:
 
 def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     """Trajectories side by side, as tables and as JSON."""
-    from orbident.data_table import Numeric, table_of
     from orbident.files.json_parts import nulled
 
     shown = dict(CRITERIA)

@@ -1,5 +1,6 @@
 """`orbident export RUN -o FILE`, `orbident export RUN --flight DIR --recording REC`."""
 
+from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,6 +10,8 @@ import orbident as oi
 from orbident.cli.options import Force
 from orbident.cli.output import Output, progress
 from orbident.errors import InputError
+from orbident.files.replacing import check_free, write_text
+from orbident.files.text import sha256
 
 
 def export(
@@ -57,8 +60,6 @@ def export(
     force: Force = False,
 ) -> None:
     """Write the identified model, or a filter for flight computers."""
-    from orbident.files.replacing import check_free
-
     _check_what(out, q, flight, recording)
     if flight is not None and recording is not None:
         _export_flight(output, run, flight, recording, force)
@@ -176,7 +177,6 @@ Written = tuple[str, tuple[str, ...], dict[str, Any]]
 
 def write_model(output: Any, result: Any, out: Path, suffix: str) -> Written:
     """The robot of bodies that can exist; status 1 where there are none."""
-    from orbident.files.replacing import write_text
     from orbident.identified.exported_robot import NoBodiesError, exported_robot
 
     try:
@@ -216,7 +216,6 @@ def _model_text(made: Any, suffix: str) -> tuple[str, str]:
 
 def write_code(result: Any, out: Path, suffix: str) -> Written:
     """`H+` and `c+` as functions in another language."""
-    from orbident.files.replacing import write_text
     from orbident.identified.generated_code import equations_as_c, equations_as_matlab
     from orbident.model.core_robot import lacking_rotors
 
@@ -228,9 +227,6 @@ def write_code(result: Any, out: Path, suffix: str) -> Written:
 
 def write_matrices(result: Any, out: Path, q: list[float]) -> Written:
     """`H+` and Jacobians in one configuration, as JSON."""
-    from json import dumps
-
-    from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import matrices_at
 
     document = matrices_at(result, q)
@@ -240,7 +236,6 @@ def write_matrices(result: Any, out: Path, q: list[float]) -> Written:
 
 def write_parameters(result: Any, out: Path, suffix: str) -> Written:
     """All parameters with their deviations, as CSV, LaTeX or MATLAB."""
-    from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import (
         parameters_as_csv,
         parameters_as_latex,
@@ -262,7 +257,6 @@ def write_parameters(result: Any, out: Path, suffix: str) -> Written:
 
 def write_motion(result: Any, out: Path, recording: Path) -> Written:
     """What was recorded and what is predicted, as messages of ROS 2."""
-    from orbident.files.text import sha256
     from orbident.scene.mcap_export import write_mcap
 
     motion = oi.read_recording(recording)

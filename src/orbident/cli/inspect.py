@@ -8,8 +8,10 @@ import typer
 
 import orbident as oi
 from orbident.choices import InitialMomentum
+from orbident.cli.excite_tables import table_words
 from orbident.cli.options import MomentumKnown, RobotName
 from orbident.cli.output import Output, progress
+from orbident.data_table import Numeric
 
 
 def inspect(
@@ -105,7 +107,6 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
 
 def _robot(robot: Any, document: dict[str, Any]) -> list[str]:
     """Bodies, joints and wheels, and the table that the motion needs."""
-    from orbident.cli.excite_tables import table_words
     from orbident.cli.robot_tree import driven_words, wheel_words
 
     lines = [
@@ -179,8 +180,6 @@ def _open(document: dict[str, Any]) -> list[str]:
 
 def _in_words(entries: dict[str, Any]) -> list[str]:
     """Name and value of each, and its bound, in its unit and in percent of it."""
-    from orbident.data_table import Numeric
-
     pairs = zip(entries["names"], entries["values"], strict=True)
     words = [f"{name:8} {value:12.5g}" for name, value in pairs]
     for k, bound in enumerate(entries.get("bound", ())):

@@ -1,6 +1,7 @@
 """`orbident study spatial|planar|table|control`."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,6 +12,9 @@ import orbident as oi
 from orbident.choices import StudyNoise
 from orbident.cli.options import Force, Workers, as_typed
 from orbident.cli.output import Output, progress
+from orbident.extras import MissingLibraryError
+from orbident.files.replacing import check_free, replacing, replacing_files
+from orbident.files.text import sha256
 
 TRAJECTORY = "trajectory.yaml"
 RUN = "run"
@@ -151,8 +155,6 @@ def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:
 
 
 def _check_free(out: Path, name: Study, force: bool) -> None:
-    from orbident.files.replacing import check_free
-
     for file in _files(name) if out.exists() else ():
         check_free(out / file, force)
 
@@ -161,12 +163,6 @@ def _keep(
     done: Any, name: Study, out: Path, force: bool, seed: int | None
 ) -> list[str]:
     """Write the study's files and its RUN; a warning where pictures were not made."""
-    from dataclasses import replace
-
-    from orbident.extras import MissingLibraryError
-    from orbident.files.replacing import replacing_files
-    from orbident.files.text import sha256
-
     unmade = []
     cut_offs = {} if name == "control" else done.cut_offs
     with replacing_files(out, _files(name, cut_offs)) as new:
@@ -202,7 +198,6 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
 def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
-    from orbident.files.replacing import replacing
     from orbident.report.study_page import drawn_cut_off, write_study_report
 
     write_study_report(done, result, title, folder)

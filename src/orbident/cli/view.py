@@ -8,7 +8,9 @@ import typer
 
 from orbident.cli.options import Force
 from orbident.cli.output import Output, progress
+from orbident.cli.streams import drop_output
 from orbident.errors import InputError
+from orbident.files.replacing import check_free
 
 
 def view(
@@ -56,7 +58,6 @@ def view(
     if record is not None:
         _recorded(output, shown, recording, record, force)
         return
-    from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared
     from orbident.viewer.server import close, keep_moving, open_server
 
@@ -84,7 +85,6 @@ def _recorded(
     output: Output, shown: str, recording: Path | None, clip: Path, force: bool
 ) -> None:
     """Write the replay as a moving picture."""
-    from orbident.files.replacing import check_free
     from orbident.recordings.tables import read_recording
     from orbident.report.clip import check_clip, write_clip
     from orbident.scene.shown import to_be_shown
