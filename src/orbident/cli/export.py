@@ -200,18 +200,20 @@ def write_model(output: Any, result: Any, out: Path, suffix: str) -> Written:
 
 def _model_text(made: Any, suffix: str) -> tuple[str, str]:
     """The file, and what is said of motors' rotors that are not in it."""
-    from orbident.identified.exported_robot import NO_ROTORS, exported_urdf
+    from orbident.identified.exported_robot import (
+        NO_ARMATURE,
+        NO_ROTORS,
+        exported_urdf,
+    )
     from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
     from orbident.model.core_robot import lacking_rotors
 
     if suffix == ".urdf":
-        text = exported_urdf(made.robot, made.robot.theta)
-        return text, lacking_rotors(made.robot, NO_ROTORS)
+        return exported_urdf(made.robot), lacking_rotors(made.robot, NO_ROTORS)
     if suffix == ".xml":
-        return mjcf(made.mechanism), made.mechanism.lacks
-    if suffix == ".sdf":
-        return sdf(made.mechanism), made.mechanism.lacks_without_armature
-    return basilisk_script(made), made.mechanism.lacks_without_armature
+        return mjcf(made), lacking_rotors(made.robot)
+    text = sdf(made) if suffix == ".sdf" else basilisk_script(made)
+    return text, lacking_rotors(made.robot, NO_ARMATURE)
 
 
 def write_code(result: Any, out: Path, suffix: str) -> Written:
