@@ -218,19 +218,14 @@ def _check_complete(result: Result) -> None:
             )
 
 
-class PredictionDeviations(NamedTuple):
-    """Standard deviations of a prediction."""
-
-    w: Float[np.ndarray, "n 3"]
-    """Base rate, base axes, rad/s."""
-    v_S: Float[np.ndarray, "n 3"]
-    """Velocity of S, inertial axes, m/s."""
-
-
 def prediction_deviations(
     result: Result, prediction: Prediction
-) -> PredictionDeviations:
-    """The standard deviations of what was predicted; NaN without a covariance."""
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
+    """The standard deviations of what was predicted; NaN without a covariance.
+
+    Those of the base rate are along base axes, rad/s, and those of the velocity of S
+    along inertial axes, m/s.
+    """
     robot, sets = result.robot, minimal_sets(result.robot)
     changes = partial(_momentum_and_velocity, sets.regressors, *_changed(result, sets))
     seen = prediction.measured
@@ -255,7 +250,7 @@ def prediction_deviations(
     v = rotate(at.V, w) + at.v_q
     off = at.V @ dw + dv - cross_matrix(v) @ f
     dv = R @ off + dv_cm
-    return PredictionDeviations(np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2))
+    return np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2)
 
 
 def _changed(

@@ -101,7 +101,7 @@ def _body(parent: ET.Element, made: Mechanism, k: int) -> ET.Element:
     """The body that joint `k` moves."""
     name, joint = made.bodies[k + 1], made.joints[k]
     friction = made.robot.friction.get(joint.name, NO_FRICTION)
-    x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
+    x = _quaternion(joint.R_PJ)
     body = ET.SubElement(parent, "body", name=name, pos=spaced(joint.p_PJ), quat=x)
     about = ET.SubElement(
         body, "joint", name=joint.name, type=KINDS[joint.kind], axis=spaced(joint.axis)
@@ -127,14 +127,14 @@ def _add_inertial(body: ET.Element, theta: Float[np.ndarray, "10"]) -> None:
         body,
         "inertial",
         pos=spaced(theta[FIRST_MOMENT] / theta[MASS]),
-        quat=_scalar_first(Rotation.from_matrix(axes * np.linalg.det(axes)).as_quat()),
+        quat=_quaternion(axes * np.linalg.det(axes)),
         mass=spaced([theta[MASS]]),
         diaginertia=spaced(moments),
     )
 
 
-def _scalar_first(x: Float[np.ndarray, "4"]) -> str:
-    return spaced(np.roll(x, 1))
+def _quaternion(R: Float[np.ndarray, "3 3"]) -> str:
+    return spaced(Rotation.from_matrix(R).as_quat(scalar_first=True))
 
 
 VERSION = "1.7"

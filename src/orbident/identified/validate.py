@@ -249,10 +249,11 @@ def scored(result: Result, recording: Recording) -> Validation:
     """
     prediction = predict(result, recording)
     axes_h, axes_v = conserved_axes(result.robot)
-    measured, std = prediction.measured, prediction_deviations(result, prediction)
+    measured = prediction.measured
+    w_std, v_std = prediction_deviations(result, prediction)
     # Each with what was measured, the error, and its deviation by the parameters.
-    gyro = np.array([measured.w, prediction.w - measured.w, std.w])
-    velocity = np.array([measured.v_S, prediction.v_S - measured.v_S, std.v_S])
+    gyro = np.array([measured.w, prediction.w - measured.w, w_std])
+    velocity = np.array([measured.v_S, prediction.v_S - measured.v_S, v_std])
     signals = {
         "gyro": gyro[..., axes_h],
         "velocity": velocity[:, measured.moving][..., axes_v],
