@@ -334,15 +334,10 @@ def _plots(
     return plots
 
 
-class Prepared(NamedTuple):
-    """A page that only needs a server."""
-
-    page: Callable[[Any], Page]
-    warnings: tuple[str, ...]
-
-
-def prepared(named: str, recording: Path | None) -> Prepared:
-    """The page for a robot or a RUN.
+def prepared(
+    named: str, recording: Path | None
+) -> tuple[Callable[[Any], Page], tuple[str, ...]]:
+    """The page for a robot or a RUN, which only needs a server, and warnings.
 
     Without a recording the joints have sliders.
 
@@ -356,7 +351,7 @@ def prepared(named: str, recording: Path | None) -> Prepared:
     if recording is None:
         title = name if named == name else f"{name}: {named}"
         page = partial(SlidersPage, scene=scene, model=shown.model(), title=title)
-        return Prepared(page, shown.missing())
+        return page, scene.warnings
     replay = shown.replay(read_recording(recording))
     page = partial(ReplayPage, scene=scene, replay=replay, title=f"{name}: {recording}")
-    return Prepared(page, (*shown.missing(), *replay.warnings))
+    return page, (*scene.warnings, *replay.warnings)
