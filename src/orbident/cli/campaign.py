@@ -201,11 +201,11 @@ def _levels(begun: Any, folder: Path) -> Any:
     from orbident.estimation.checks import LEVELS
 
     rows = read_rows(begun, folder, ("robot", "method", "level"))
-    keys = zip(*(rows[name].to_pylist() for name in ("robot", "method")), strict=True)
-    seen = Counter(zip(keys, rows["level"].to_pylist(), strict=True))
+    columns = (rows[name].to_pylist() for name in ("robot", "method", "level"))
+    seen = Counter(zip(*columns, strict=True))
     counted = (
-        (*key, *(Numeric(seen[key, level], "d") for level in LEVELS))
-        for key in dict.fromkeys(key for key, _ in seen)
+        (*key, *(Numeric(seen[*key, level], "d") for level in LEVELS))
+        for key in dict.fromkeys(key[:2] for key in seen)
     )
     return table_of("", ("robot", "method", *LEVELS), counted)
 

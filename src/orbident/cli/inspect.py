@@ -52,20 +52,16 @@ def inspect(
             bound, table = _bound(described, trajectory, initial_momentum)
             budget = bound.budget()
     cad = nominal_parameters(described, sets)
-    found = {
-        "pi": (words.pi, cad.pi),
-        "phi": (words.phi, cad.phi),
-        "base": (words.base, cad.base),
-    }
     document: dict[str, Any] = {
         "name": described.name,
         "bodies": list(described.bodies),
         "joints": list(described.joint_names),
         "wheels": list(described.wheel_names),
         "mass": described.mass,
-        "count": {name: len(values) for name, (_, values) in found.items()},
+        "count": {name: len(getattr(cad, name)) for name in ("pi", "phi", "base")},
     }
-    for name, (formulas, values) in found.items():
+    for name in document["count"]:
+        formulas, values = getattr(words, name), getattr(cad, name)
         document[name] = {
             "names": list(formulas.names),
             "formulas": list(formulas.formulas),

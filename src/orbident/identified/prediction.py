@@ -290,30 +290,24 @@ HELD = 1e-6
 """Part of its size within which a number that is given may move."""
 
 
-class PoseErrors(NamedTuple):
-    """RMS of a predicted pose's error over that of the pose about its mean, by sensor.
-
-    Of all windows together, and only of sensors that were recorded.
-    """
-
-    identified: dict[str, float]
-    nominal: dict[str, float]
-    """By the robot file's bodies in place of the identified ones, and thrust as it was
-    recorded."""
-
-
-def pose_errors(result: Result, recording: Recording) -> PoseErrors:
+def pose_errors(
+    result: Result, recording: Recording
+) -> tuple[dict[str, float], dict[str, float]]:
     """How well a result predicts the pose over windows of five seconds.
 
-    The result has all of its base parameters.
+    RMS of a predicted pose's error over that of the pose about its mean, by sensor: of
+    all windows together, and only of sensors that were recorded. Then such errors by
+    the robot file's bodies in place of the identified ones, and thrust as it was
+    recorded. The result has all of its base parameters.
     """
     robot = replace(result.robot, disturbances={}, momentum_walk=MomentumWalk())
     clean = cleaned(robot, recording, Settings()).recording
     errors = {name: each.value for name, each in result.calibration.items()}
     late = corrections(result.clocks)
-    return PoseErrors(
+    nominal = minimal_sets(robot).beta(robot.theta)
+    return (
         _relative(robot, result.base.values, errors, clean, late),
-        _relative(robot, minimal_sets(robot).beta(robot.theta), {}, clean, late),
+        _relative(robot, nominal, {}, clean, late),
     )
 
 
