@@ -10,9 +10,8 @@ from typer.core import TyperGroup
 
 from orbident.cli.identify import keep
 from orbident.cli.options import Workers
-from orbident.cli.output import Output, progress, with_output
+from orbident.cli.output import Output, progress, unless_missing, with_output
 from orbident.data_table import Numeric, table_of
-from orbident.extras import MissingLibraryError
 
 if TYPE_CHECKING:
     from orbident.campaigns.conduct import Done
@@ -73,6 +72,7 @@ def run(
     from orbident.campaigns.executors import local
     from orbident.campaigns.folder import begin
     from orbident.campaigns.spec import load_spec
+    from orbident.report.campaign_page import write_campaign_report
     from orbident.studies.spatial import paper_case
     from orbident.threads import at_hand
 
@@ -83,7 +83,9 @@ def run(
     begun = begin(load_spec(spec), out, lambda robot: paper_case(robot).trajectory)
     with progress("campaign") as show:
         done = conduct(begun, out, executors, _Rate(show))
-    unmade = _report(begun, out)
+    unmade = list[str]()
+    with unless_missing(unmade, f"{out} is complete without it"):
+        write_campaign_report(begun, out)
     output.warn([*unmade, *([_failures(out, done)] if done.failed else [])])
     _tell(output, begun, out, done)
     if done.failed == done.of:
@@ -163,17 +165,6 @@ class _Rate:
         if done.failed:
             words += f", {done.failed} failed"
         self.show(done.runs / done.of, words)
-
-
-def _report(begun: Any, folder: Path) -> list[str]:
-    """Write the report; a warning where it could not be made."""
-    from orbident.report.campaign_page import write_campaign_report
-
-    try:
-        write_campaign_report(begun, folder)
-    except MissingLibraryError as refusal:
-        return [f"{refusal}; {folder} is complete without it"]
-    return []
 
 
 def _tell(output: Output, begun: Any, folder: Path, done: "Done") -> None:

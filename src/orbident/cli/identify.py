@@ -17,8 +17,7 @@ from orbident.cli.options import (
     as_typed,
     cut_to_times,
 )
-from orbident.cli.output import Output, progress
-from orbident.extras import MissingLibraryError
+from orbident.cli.output import Output, progress, unless_missing
 from orbident.files.text import name_of, sha256
 
 
@@ -140,8 +139,6 @@ def keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[st
     unmade = []
     with saving(result, out, force) as new:
         write_replay(robot, table, new)
-        try:
+        with unless_missing(unmade, f"{out / REPORT} is not written"):
             write_report(result, new)
-        except MissingLibraryError as refusal:
-            unmade.append(f"{refusal}; {out / REPORT} is not written")
     return unmade

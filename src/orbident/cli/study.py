@@ -11,8 +11,7 @@ import typer
 import orbident as oi
 from orbident.choices import StudyNoise
 from orbident.cli.options import Force, Workers, as_typed
-from orbident.cli.output import Output, progress
-from orbident.extras import MissingLibraryError
+from orbident.cli.output import Output, progress, unless_missing
 from orbident.files.replacing import check_free, replacing, replacing_files
 from orbident.files.text import sha256
 
@@ -171,10 +170,8 @@ def _keep(
         recording = _write_data(done, name, new)
         known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
         result = replace(done.result, input=known | as_typed())
-        try:
+        with unless_missing(unmade, f"{out} is kept without its report and pictures"):
             _draw(done, result, f"Study: {name}", cut_offs, new)
-        except MissingLibraryError as refusal:
-            unmade.append(f"{refusal}; {out} is kept without its report and pictures")
         oi.save_result(result, out / RUN, force)
     return unmade
 

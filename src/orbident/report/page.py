@@ -146,11 +146,6 @@ class Verdict(NamedTuple):
         """The level, in a word."""
         return VERDICTS[self.level].capitalize()
 
-    @property
-    def style(self) -> str:
-        """The level, as a style's name."""
-        return self.level.replace(" ", "-")
-
 
 def verdict_of(result: Result) -> Verdict:
     """The checks of a result, and its mass with the interval; it adds no check."""
