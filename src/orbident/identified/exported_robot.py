@@ -51,16 +51,10 @@ SAME = 1e-9
 """Relative difference of base parameters that are the same but for rounding."""
 
 
-class Links(NamedTuple):
-    """Where the URDF's links are in the bodies of the robot."""
+def links_of(robot: Robot) -> tuple[LinkTree, dict[str, Placement]]:
+    """The URDF's links behind a robot's bodies, and where each is in its body.
 
-    tree: LinkTree
-    placements: dict[str, Placement]
-    """Where each link is in its body; the base's frame is the base link's, not at S."""
-
-
-def links_of(robot: Robot) -> Links:
-    """The links behind a robot's bodies.
+    The base's frame is the base link's, not at S.
 
     Raises:
         InputError: the robot was not loaded from a URDF.
@@ -72,7 +66,7 @@ def links_of(robot: Robot) -> Links:
     file = validated(RobotFile, dict(robot.document), robot.name)
     tree = link_tree(read_urdf(robot.urdf, robot.name), file.base_link)
     held = frozenset(wheel.joint for wheel in file.wheels if wheel.joint is not None)
-    return Links(tree, fused(tree, held=held).placements)
+    return tree, fused(tree, held=held).placements
 
 
 def exported_urdf(robot: Robot) -> str:
@@ -87,7 +81,7 @@ def exported_urdf(robot: Robot) -> str:
         InputError: the robot was not loaded from a URDF, or what was written does not
             read back with the same base parameters.
     """
-    placements, wheels = links_of(robot).placements, wheel_joints(robot).values()
+    (_, placements), wheels = links_of(robot), wheel_joints(robot).values()
     turning = {link for wheel in wheels for link in wheel.links}
     own = robot.theta - parts_of_base(robot, wheels)
     own[0] = transformed(own[0], np.eye(3), robot.feature_point)
@@ -172,11 +166,11 @@ def wheel_joints(robot: Robot) -> dict[int, WheelJoint]:
     joints = {entry["joint"]: k for k, entry in entries if "joint" in entry}
     if not joints:
         return {}
-    links = links_of(robot)
+    tree, placements = links_of(robot)
     found = {}
-    for joint in (each for below in links.tree.children.values() for each in below):
+    for joint in (each for below in tree.children.values() for each in below):
         if joint.name in joints:
-            wheel, at = fused(links.tree, joint.child), links.placements[joint.child]
+            wheel, at = fused(tree, joint.child), placements[joint.child]
             found[joints[joint.name]] = WheelJoint(
                 joint.child,
                 frozenset(wheel.placements),

@@ -105,7 +105,8 @@ def _shown(robot: Robot, folder: Path | None) -> tuple[list[Shape], tuple[str, .
         link: k for k, rotor in wheel_joints(robot).items() for link in rotor.links
     }
     shown = []
-    for link, at in links_of(robot).placements.items():
+    _, placements = links_of(robot)
+    for link, at in placements.items():
         p = at.p - robot.feature_point if at.body == 0 else at.p
         wheel = wheel_of.get(link)
         frame = at.body if wheel is None else len(robot.bodies) + wheel
