@@ -74,7 +74,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory) -> Case:
     else:
         true = load_robot(request.param)
     result = replace(exact_result(true), robot=off_by(true, 0.2, seed=1))
-    return Case(result, result.dynamics(), exported_robot(result).mechanism)
+    return Case(result, result.dynamics(), exported_robot(result))
 
 
 @pytest.fixture(scope="module")

@@ -125,7 +125,7 @@ def test_jacobians(case):
 def test_exported_urdf(case):
     """Pinocchio makes the true `H+`, `c+` of it; MuJoCo weighs the same."""
     robot = case.result.robot
-    text = exported_urdf(robot, exported_robot(case.result).robot.theta)
+    text = exported_urdf(exported_robot(case.result).robot)
     model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     model.gravity.linear = np.zeros(3)
     known = np.array([0, 1, 2, 5]) if robot.motion == "planar" else np.arange(6)

@@ -54,7 +54,7 @@ def test_deviations_against_drawn_parameters(case):
         w.append(prediction.w)
         v_S.append(prediction.v_S)
     found = prediction_deviations(result, predict(result, recording))
-    for ours, drawn in ((found.w, w), (found.v_S, v_S)):
+    for ours, drawn in zip(found, (w, v_S), strict=True):
         expected = np.std(drawn, axis=0)
         # 50 draws tell a deviation to 10 %; the rule between samples, to less.
         size = np.sqrt(np.mean(expected**2))

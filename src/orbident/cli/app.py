@@ -14,7 +14,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from orbident.cli.streams import (
     accept_any_output,
@@ -105,21 +105,14 @@ INTERNAL_ERROR = 70
 """EX_SOFTWARE of sysexits.h; a result that must not be trusted is 1."""
 
 
-class Ended(NamedTuple):
-    """How a run ended."""
-
-    status: int
-    why: str = ""
-
-
 def main() -> None:
     """Run the command; every failure is one line on standard error."""
     accept_any_output()
     with interruptible() as interruption:
-        ended = Ended(INTERNAL_ERROR)
+        status, why = INTERNAL_ERROR, ""
         # A verb may also end by itself when it is interrupted, or fail for that reason.
         with suppress(KeyboardInterrupt), plain_warnings():
-            ended = _run()
+            status, why = _run()
         if interruption.by is not None:
             status = interruption.end(interruption.by)
             with suppress(OSError):
@@ -128,13 +121,13 @@ def main() -> None:
             # Python would end by the signal itself; and what an interrupted write has
             # left in a buffer would be written twice.
             os._exit(status)
-        if ended.why:
-            complain(ended.why)
-    sys.exit(ended.status)
+        if why:
+            complain(why)
+    sys.exit(status)
 
 
-def _run() -> Ended:
-    """Run the verb that was asked for."""
+def _run() -> tuple[int, str]:
+    """Run the verb that was asked for; the exit status, and why it failed."""
     # Late: the imports can be interrupted too.
     import typer
 
@@ -146,16 +139,16 @@ def _run() -> Ended:
         # Not at exit, where a full disk could not be reported.
         sys.stdout.flush()
     except OSError as error:
-        return Ended(WRONG_INPUT, _system_refused(error))
+        return WRONG_INPUT, _system_refused(error)
     except InputError as error:
-        return Ended(WRONG_INPUT, str(error))
+        return WRONG_INPUT, str(error)
     except MemoryError as error:
-        return Ended(WRONG_INPUT, f"not enough memory: {error}")
+        return WRONG_INPUT, f"not enough memory: {error}"
     except typer.TyperException as error:
-        return Ended(WRONG_INPUT, _wrong_usage(error))
+        return WRONG_INPUT, _wrong_usage(error)
     except Exception as error:
-        return Ended(INTERNAL_ERROR, _internal_error(error))
-    return Ended(status or 0)
+        return INTERNAL_ERROR, _internal_error(error)
+    return status or 0, ""
 
 
 def _system_refused(error: OSError) -> str:

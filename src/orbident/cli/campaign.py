@@ -1,14 +1,17 @@
 """`orbident campaign SPEC -o DIR`, `campaign status DIR`, `campaign rerun DIR RUN`."""
 
 import time
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from orbident.cli.identify import keep
 from orbident.cli.options import Workers
-from orbident.cli.output import Output, progress, with_output
+from orbident.cli.output import Output, progress, unless_missing, with_output
+from orbident.data_table import Numeric, table_of
 
 if TYPE_CHECKING:
     from orbident.campaigns.conduct import Done
@@ -69,6 +72,7 @@ def run(
     from orbident.campaigns.executors import local
     from orbident.campaigns.folder import begin
     from orbident.campaigns.spec import load_spec
+    from orbident.report.campaign_page import write_campaign_report
     from orbident.studies.spatial import paper_case
     from orbident.threads import at_hand
 
@@ -79,7 +83,9 @@ def run(
     begun = begin(load_spec(spec), out, lambda robot: paper_case(robot).trajectory)
     with progress("campaign") as show:
         done = conduct(begun, out, executors, _Rate(show))
-    unmade = _report(begun, out)
+    unmade = list[str]()
+    with unless_missing(unmade, f"{out} is complete without it"):
+        write_campaign_report(begun, out)
     output.warn([*unmade, *([_failures(out, done)] if done.failed else [])])
     _tell(output, begun, out, done)
     if done.failed == done.of:
@@ -115,7 +121,6 @@ def rerun(
     """
     from orbident.campaigns.conduct import repeat_run as made_again
     from orbident.campaigns.folder import check_versions, opened, versions
-    from orbident.cli.identify import keep
     from orbident.cli.identify_tables import summary
 
     begun = opened(folder)
@@ -162,18 +167,6 @@ class _Rate:
         self.show(done.runs / done.of, words)
 
 
-def _report(begun: Any, folder: Path) -> list[str]:
-    """Write the report; a warning where it could not be made."""
-    from orbident.extras import MissingLibraryError
-    from orbident.report.campaign_page import write_campaign_report
-
-    try:
-        write_campaign_report(begun, folder)
-    except MissingLibraryError as refusal:
-        return [f"{refusal}; {folder} is complete without it"]
-    return []
-
-
 def _tell(output: Output, begun: Any, folder: Path, done: "Done") -> None:
     """How far a campaign is, in words and as JSON."""
     from orbident.campaigns.conduct import failed_runs
@@ -195,18 +188,15 @@ def _tell(output: Output, begun: Any, folder: Path, done: "Done") -> None:
 
 def _levels(begun: Any, folder: Path) -> Any:
     """How many results of each robot and method may be trusted."""
-    from collections import Counter
-
     from orbident.campaigns.folder import read_rows
-    from orbident.data_table import Numeric, table_of
     from orbident.estimation.checks import LEVELS
 
     rows = read_rows(begun, folder, ("robot", "method", "level"))
-    keys = zip(*(rows[name].to_pylist() for name in ("robot", "method")), strict=True)
-    seen = Counter(zip(keys, rows["level"].to_pylist(), strict=True))
+    columns = (rows[name].to_pylist() for name in ("robot", "method", "level"))
+    seen = Counter(zip(*columns, strict=True))
     counted = (
-        (*key, *(Numeric(seen[key, level], "d") for level in LEVELS))
-        for key in dict.fromkeys(key for key, _ in seen)
+        (*key, *(Numeric(seen[*key, level], "d") for level in LEVELS))
+        for key in dict.fromkeys(key[:2] for key in seen)
     )
     return table_of("", ("robot", "method", *LEVELS), counted)
 

@@ -7,6 +7,7 @@ import typer
 
 import orbident as oi
 from orbident.cli.output import Output
+from orbident.data_table import table_of
 
 
 def compare(
@@ -51,8 +52,6 @@ def _lines(comparison: Any) -> list[Any]:
 
 
 def _explanations(explanations: Any) -> Any:
-    from orbident.data_table import table_of
-
     rows = (
         (
             *(e.body, f"{e.left.value:.4g}", f"{e.left.dof}", f"{e.left.p:.2g}"),
@@ -65,8 +64,6 @@ def _explanations(explanations: Any) -> Any:
 
 
 def _added(comparison: Any) -> list[Any]:
-    from orbident.data_table import table_of
-
     added, body = comparison.added, comparison.body
     did = "let go" if added.mass.value < 0 else "captured"
     rows = [("mass, kg", *_numbers(added.mass.value, added.mass.std))]

@@ -8,6 +8,8 @@ import typer
 import orbident as oi
 from orbident.cli.options import Force, LogFile, NewRecording, Preset
 from orbident.cli.output import Output, progress
+from orbident.data_table import Numeric, table_of
+from orbident.files.replacing import check_free
 
 
 def convert(
@@ -26,7 +28,6 @@ def convert(
     force: Force = False,
 ) -> None:
     """Convert a file of ROS, MATLAB, PX4 or others to a recording."""
-    from orbident.files.replacing import check_free
     from orbident.recordings.topics.presets import known_preset
 
     chosen = topic_map if preset is None else known_preset(preset)
@@ -44,8 +45,6 @@ def convert(
 
 
 def _lines(file: Path, report: Any) -> list[Any]:
-    from orbident.data_table import Numeric, table_of
-
     head = ("topic", "messages", "used", "rate (Hz)", "from (s)", "to (s)", "time")
     rows = (
         (

@@ -1,13 +1,19 @@
 """`orbident demo`."""
 
+import os
+import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 import orbident as oi
+from orbident.cli.identify import keep
 from orbident.cli.options import Force, as_typed
 from orbident.cli.output import Output, progress
+from orbident.files.replacing import check_free, replacing_files
+from orbident.files.text import sha256
 
 RUN = "run"
 FLIGHTS = ("flight.csv", "other_flight.csv")
@@ -35,7 +41,6 @@ def demo(
     import numpy as np
 
     from orbident.cli.identify_tables import summary, warnings_of
-    from orbident.files.replacing import check_free
     from orbident.identified.prediction import predict
     from orbident.identified.run_folder import check_absent
     from orbident.scene.replay import with_cad_values
@@ -91,12 +96,6 @@ def demo(
 
 def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], Any]:
     """Write recordings and RUN: warnings, and the result, which knows its input."""
-    from dataclasses import replace
-
-    from orbident.cli.identify import keep
-    from orbident.files.replacing import replacing_files
-    from orbident.files.text import sha256
-
     with replacing_files(out, FLIGHTS) as new:
         for name, recording in zip(FLIGHTS, (flown.first, flown.other), strict=True):
             oi.write_recording(recording, new / name)
@@ -123,8 +122,6 @@ def _next(out: Path, shown: bool) -> list[str]:
 
 def _opened(page: Path) -> bool:
     """Whether a browser shows it; none is asked where nobody would see its window."""
-    import os
-    import sys
     import webbrowser
 
     windows = {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys()

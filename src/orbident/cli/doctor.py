@@ -1,5 +1,6 @@
 """`orbident doctor`."""
 
+import platform
 import re
 from importlib.metadata import PackageNotFoundError, requires, version
 from typing import TYPE_CHECKING
@@ -17,8 +18,6 @@ _UNLISTED = ("all", "docs", "test")
 
 def doctor(output: Output) -> None:
     """Check this installation: versions, extras and a self-test."""
-    import platform
-
     libraries = _libraries()
     tested, problems = _tested()
     problems += [

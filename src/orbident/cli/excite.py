@@ -1,6 +1,7 @@
 """`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
 
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -24,6 +25,7 @@ from orbident.cli.options import Force, RobotName
 from orbident.cli.output import Output, progress
 from orbident.errors import InputError
 from orbident.files.bounds import MOST_RECORDINGS
+from orbident.files.replacing import check_free
 
 DURATION = 60.0
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed", "impulse")
@@ -148,7 +150,6 @@ def excite(
     without joints is excited by pulses of its thrusters. With --compare, motions that
     exist are scored instead.
     """
-    from orbident.files.replacing import check_free
     from orbident.trajectories.trajectory_file import numbered
 
     if compare:
@@ -212,8 +213,6 @@ def _started(
     robot: Any, given: Any, wheel_speed: float | None, momentum: str | None, told: bool
 ) -> Any:
     """The conditions, with another initial state where that is asked for."""
-    from dataclasses import replace
-
     from orbident.excitation.floating import usual_initial
 
     if wheel_speed is None and momentum is None:
@@ -297,8 +296,6 @@ def _conditions(
     limits: dict[str, Any],
 ) -> tuple[Any, Any]:
     """What to keep to, and the paper's case where it is meant."""
-    from dataclasses import replace
-
     from orbident.excitation.conditions import conditions_for, limits_of
 
     duration, harmonics = wanted

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from orbident.data_table import Numeric, table_of
 from orbident.files.names import counted
 
 CRITERIA = {
@@ -26,20 +27,6 @@ BESIDE = {
 SINGULAR = 1e6
 """Condition number from which encoders, good to 1e-5 rad or so, hide parameters."""
 
-NOT_EXCITED = (
-    "the motion does not determine all parameters; give more harmonics or a longer "
-    "duration"
-)
-
-BY_SENSORS = ", or declare sensors and use the objective d"
-"""What helps where a condition number was made small."""
-
-
-NOT_PULSED = (
-    "the pulses do not determine all parameters; give more time or impulse, or declare "
-    "the noise of position and attitude"
-)
-
 INTERRUPTED = (
     "interrupted: the trajectory that was written is the best that was found until then"
 )
@@ -58,20 +45,31 @@ def design_doubts(found: Any, unshown: bool) -> list[str]:
 
     That instruments leave something `unshown` was said before: no motion helps there.
     """
-    made, sentences = found.design, list[str]()
+    made = found.design
     value, searched = made["value"], made["searched_value"]
-    if not excites_all(found):
-        more = BY_SENSORS if made["objective"] == "cond" else ""
-        doubt = NOT_EXCITED + more if found.joints else NOT_PULSED
-        sentences += [] if unshown else [doubt]
-    elif abs(searched - value) > AGREEMENT * value:
-        sentences.append(
+    if excites_all(found):
+        if abs(searched - value) <= AGREEMENT * value:
+            return []
+        return [
             f"the search valued this motion at {searched:.4g}, but the motion that it "
             f"really makes is worth {value:.4g}: the base turns or nutates faster than "
             "the grid of the search follows, so a better motion may exist; start with "
             "less momentum, or give less time"
-        )
-    return sentences
+        ]
+    if unshown:
+        return []
+    if not found.joints:
+        return [
+            "the pulses do not determine all parameters; give more time or impulse, or "
+            "declare the noise of position and attitude"
+        ]
+    doubt = (
+        "the motion does not determine all parameters; give more harmonics or a longer "
+        "duration"
+    )
+    if made["objective"] == "cond":
+        doubt += ", or declare sensors and use the objective d"
+    return [doubt]
 
 
 def excites_all(found: Any) -> bool:
@@ -124,8 +122,6 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
 
 def _joint_table(joints: Any) -> Any:
     """Extremes beside their limits."""
-    from orbident.data_table import table_of
-
     rows = (
         (
             name,
@@ -181,8 +177,6 @@ def swinging(found: Any, robot: Any, at_rest: bool) -> list[Any]:
 
 def pulsed(found: Any) -> list[Any]:
     """A designed sequence of thruster pulses in words."""
-    from orbident.data_table import Numeric, table_of
-
     made, thrusters = found.design, found.environment.thrusters
     beyond = made["beyond_limits"]
     rows = []
@@ -230,7 +224,6 @@ def written(found: Any, out: Path, paper: Any) -> dict[str, Any]:
 
 def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     """Trajectories side by side, as tables and as JSON."""
-    from orbident.data_table import Numeric, table_of
     from orbident.files.json_parts import nulled
 
     shown = dict(CRITERIA)

@@ -1,5 +1,6 @@
 """`orbident export RUN -o FILE`, `orbident export RUN --flight DIR --recording REC`."""
 
+from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,6 +10,8 @@ import orbident as oi
 from orbident.cli.options import Force
 from orbident.cli.output import Output, progress
 from orbident.errors import InputError
+from orbident.files.replacing import check_free, write_text
+from orbident.files.text import sha256
 
 
 def export(
@@ -57,8 +60,6 @@ def export(
     force: Force = False,
 ) -> None:
     """Write the identified model, or a filter for flight computers."""
-    from orbident.files.replacing import check_free
-
     _check_what(out, q, flight, recording)
     if flight is not None and recording is not None:
         _export_flight(output, run, flight, recording, force)
@@ -176,7 +177,6 @@ Written = tuple[str, tuple[str, ...], dict[str, Any]]
 
 def write_model(output: Any, result: Any, out: Path, suffix: str) -> Written:
     """The robot of bodies that can exist; status 1 where there are none."""
-    from orbident.files.replacing import write_text
     from orbident.identified.exported_robot import NoBodiesError, exported_robot
 
     try:
@@ -200,23 +200,24 @@ def write_model(output: Any, result: Any, out: Path, suffix: str) -> Written:
 
 def _model_text(made: Any, suffix: str) -> tuple[str, str]:
     """The file, and what is said of motors' rotors that are not in it."""
-    from orbident.identified.exported_robot import NO_ROTORS, exported_urdf
+    from orbident.identified.exported_robot import (
+        NO_ARMATURE,
+        NO_ROTORS,
+        exported_urdf,
+    )
     from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
     from orbident.model.core_robot import lacking_rotors
 
     if suffix == ".urdf":
-        text = exported_urdf(made.robot, made.robot.theta)
-        return text, lacking_rotors(made.robot, NO_ROTORS)
+        return exported_urdf(made.robot), lacking_rotors(made.robot, NO_ROTORS)
     if suffix == ".xml":
-        return mjcf(made.mechanism), made.mechanism.lacks
-    if suffix == ".sdf":
-        return sdf(made.mechanism), made.mechanism.lacks_without_armature
-    return basilisk_script(made), made.mechanism.lacks_without_armature
+        return mjcf(made), lacking_rotors(made.robot)
+    text = sdf(made) if suffix == ".sdf" else basilisk_script(made)
+    return text, lacking_rotors(made.robot, NO_ARMATURE)
 
 
 def write_code(result: Any, out: Path, suffix: str) -> Written:
     """`H+` and `c+` as functions in another language."""
-    from orbident.files.replacing import write_text
     from orbident.identified.generated_code import equations_as_c, equations_as_matlab
     from orbident.model.core_robot import lacking_rotors
 
@@ -228,9 +229,6 @@ def write_code(result: Any, out: Path, suffix: str) -> Written:
 
 def write_matrices(result: Any, out: Path, q: list[float]) -> Written:
     """`H+` and Jacobians in one configuration, as JSON."""
-    from json import dumps
-
-    from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import matrices_at
 
     document = matrices_at(result, q)
@@ -240,7 +238,6 @@ def write_matrices(result: Any, out: Path, q: list[float]) -> Written:
 
 def write_parameters(result: Any, out: Path, suffix: str) -> Written:
     """All parameters with their deviations, as CSV, LaTeX or MATLAB."""
-    from orbident.files.replacing import write_text
     from orbident.identified.parameter_files import (
         parameters_as_csv,
         parameters_as_latex,
@@ -262,7 +259,6 @@ def write_parameters(result: Any, out: Path, suffix: str) -> Written:
 
 def write_motion(result: Any, out: Path, recording: Path) -> Written:
     """What was recorded and what is predicted, as messages of ROS 2."""
-    from orbident.files.text import sha256
     from orbident.scene.mcap_export import write_mcap
 
     motion = oi.read_recording(recording)

@@ -1,5 +1,6 @@
 """`orbident identify ROBOT REC... -o RUN`."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +17,8 @@ from orbident.cli.options import (
     as_typed,
     cut_to_times,
 )
-from orbident.cli.output import Output, progress
+from orbident.cli.output import Output, progress, unless_missing
+from orbident.files.text import name_of, sha256
 
 
 def identify(
@@ -89,10 +91,7 @@ def identify(
     Prints the total mass and the parameters that free floating can identify, with
     standard deviations, beside the nominal (CAD) values.
     """
-    from dataclasses import replace
-
     from orbident.cli.identify_tables import summary, warnings_of
-    from orbident.files.text import name_of, sha256
     from orbident.recordings.tables import open_recording
     from orbident.robot.may_act import may_act
 
@@ -133,7 +132,6 @@ def identify(
 
 def keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[str]:
     """Write a RUN with its report; a warning where that could not be made."""
-    from orbident.extras import MissingLibraryError
     from orbident.identified.run_folder import REPORT, saving
     from orbident.report.replay_figure import write_replay
     from orbident.report.write import write_report
@@ -141,8 +139,6 @@ def keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[st
     unmade = []
     with saving(result, out, force) as new:
         write_replay(robot, table, new)
-        try:
+        with unless_missing(unmade, f"{out / REPORT} is not written"):
             write_report(result, new)
-        except MissingLibraryError as refusal:
-            unmade.append(f"{refusal}; {out / REPORT} is not written")
     return unmade

@@ -8,8 +8,10 @@ import typer
 
 import orbident as oi
 from orbident.choices import InitialMomentum
+from orbident.cli.excite_tables import table_words
 from orbident.cli.options import MomentumKnown, RobotName
 from orbident.cli.output import Output, progress
+from orbident.data_table import Numeric
 
 
 def inspect(
@@ -50,20 +52,16 @@ def inspect(
             bound, table = _bound(described, trajectory, initial_momentum)
             budget = bound.budget()
     cad = nominal_parameters(described, sets)
-    found = {
-        "pi": (words.pi, cad.pi),
-        "phi": (words.phi, cad.phi),
-        "base": (words.base, cad.base),
-    }
     document: dict[str, Any] = {
         "name": described.name,
         "bodies": list(described.bodies),
         "joints": list(described.joint_names),
         "wheels": list(described.wheel_names),
         "mass": described.mass,
-        "count": {name: len(values) for name, (_, values) in found.items()},
+        "count": {name: len(getattr(cad, name)) for name in ("pi", "phi", "base")},
     }
-    for name, (formulas, values) in found.items():
+    for name in document["count"]:
+        formulas, values = getattr(words, name), getattr(cad, name)
         document[name] = {
             "names": list(formulas.names),
             "formulas": list(formulas.formulas),
@@ -105,7 +103,6 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
 
 def _robot(robot: Any, document: dict[str, Any]) -> list[str]:
     """Bodies, joints and wheels, and the table that the motion needs."""
-    from orbident.cli.excite_tables import table_words
     from orbident.cli.robot_tree import driven_words, wheel_words
 
     lines = [
@@ -179,8 +176,6 @@ def _open(document: dict[str, Any]) -> list[str]:
 
 def _in_words(entries: dict[str, Any]) -> list[str]:
     """Name and value of each, and its bound, in its unit and in percent of it."""
-    from orbident.data_table import Numeric
-
     pairs = zip(entries["names"], entries["values"], strict=True)
     words = [f"{name:8} {value:12.5g}" for name, value in pairs]
     for k, bound in enumerate(entries.get("bound", ())):

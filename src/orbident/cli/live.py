@@ -1,5 +1,8 @@
 """`orbident live ROBOT`."""
 
+import sys
+from contextlib import ExitStack
+from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -7,7 +10,8 @@ import typer
 
 import orbident as oi
 from orbident.cli.options import RobotName
-from orbident.cli.streams import wipe
+from orbident.cli.streams import warn, wipe
+from orbident.files.replacing import check_place
 
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 
@@ -62,11 +66,6 @@ def live(
     ] = False,
 ) -> None:
     """Identify while samples arrive, as lines of CSV or JSON."""
-    import sys
-    from contextlib import ExitStack
-
-    from orbident.cli.streams import warn
-    from orbident.files.replacing import check_place
     from orbident.live.session import Session
     from orbident.live.sources import Datagrams, lines_of_input
 
@@ -116,7 +115,5 @@ def _check_number(option: str, number: float | None) -> None:
 
 
 def _print(document: dict[str, Any]) -> None:
-    from json import dumps
-
     wipe()
     print(dumps(document, allow_nan=False), flush=True)

@@ -9,6 +9,9 @@ import typer
 import orbident as oi
 from orbident.cli.options import Force
 from orbident.cli.output import Output
+from orbident.files.names import counted
+from orbident.files.replacing import check_free, write_text
+from orbident.files.text import name_of
 
 
 def new(
@@ -38,9 +41,6 @@ def new(
     force: Force = False,
 ) -> None:
     """Write a robot file to edit, beside a URDF or without one."""
-    from orbident.files.names import counted
-    from orbident.files.replacing import check_free, write_text
-    from orbident.files.text import name_of
     from orbident.robot.formats.model_file import KINDS, SUFFIXES
     from orbident.robot.new_robot_file import new_robot_text, robot_text_of_model
 

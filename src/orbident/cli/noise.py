@@ -8,6 +8,8 @@ import typer
 import orbident as oi
 from orbident.cli.options import Force
 from orbident.cli.output import Output, progress
+from orbident.files.names import counted
+from orbident.files.replacing import check_free, write_text
 
 
 def noise(
@@ -43,8 +45,6 @@ def noise(
     """
     import yaml
 
-    from orbident.files.names import counted
-    from orbident.files.replacing import check_free, write_text
     from orbident.noise.rest_noise import noise_table, rest_noise, sensor_section
 
     for place in (out, plot):

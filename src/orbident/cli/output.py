@@ -14,6 +14,7 @@ from typing import Any
 from orbident.cli.options import Json, Quiet
 from orbident.cli.streams import warn, wipe
 from orbident.data_table import DataTable
+from orbident.extras import MissingLibraryError
 from orbident.files.replacing import check_place, write_text
 
 WIDTH = 110
@@ -136,6 +137,18 @@ def progress(what: str) -> Iterator[Any]:
             bar.update(task, total=1.0, completed=fraction, description=words)
 
         yield show
+
+
+@contextmanager
+def unless_missing(unmade: list[str], without: str) -> Iterator[None]:
+    """Where a library is not installed that the block needs, say so in `unmade`.
+
+    Behind what is missing stands what there is `without` it.
+    """
+    try:
+        yield
+    except MissingLibraryError as refusal:
+        unmade.append(f"{refusal}; {without}")
 
 
 def with_output(verb: Callable[..., None]) -> Callable[..., None]:

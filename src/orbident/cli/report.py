@@ -3,6 +3,7 @@
 import orbident as oi
 from orbident.cli.options import Force, RunFolder
 from orbident.cli.output import Output
+from orbident.files.replacing import check_free, locked
 
 
 def report(output: Output, run: RunFolder, force: Force = False) -> None:
@@ -10,7 +11,6 @@ def report(output: Output, run: RunFolder, force: Force = False) -> None:
 
     It says whether to trust the result, and why.
     """
-    from orbident.files.replacing import check_free, locked
     from orbident.identified.run_folder import REPORT
     from orbident.report.page import verdict_of
     from orbident.report.write import write_report

@@ -2,6 +2,7 @@
 
 import orbident as oi
 from orbident.cli.output import Output
+from orbident.data_table import table_of
 
 
 def robots(output: Output) -> None:
@@ -9,8 +10,6 @@ def robots(output: Output) -> None:
 
     Each name can be given wherever a command takes ROBOT.
     """
-    from orbident.data_table import table_of
-
     entries = []
     for name in oi.bundled_robots():
         robot = oi.load_robot(name)

@@ -8,6 +8,7 @@ import typer
 import orbident as oi
 from orbident.cli.options import Force
 from orbident.cli.output import Output
+from orbident.files.replacing import check_free
 
 
 def sample(
@@ -35,7 +36,6 @@ def sample(
     force: Force = False,
 ) -> None:
     """Write a trajectory as samples, for a controller."""
-    from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable
     from orbident.simulation.simulate import (
         motion_table,

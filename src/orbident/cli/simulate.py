@@ -9,6 +9,7 @@ import orbident as oi
 from orbident.choices import SensorNoise
 from orbident.cli.options import Force, NewRecording, RobotName
 from orbident.cli.output import Output, progress
+from orbident.files.replacing import check_free
 
 
 def simulate(
@@ -45,7 +46,6 @@ def simulate(
     force: Force = False,
 ) -> None:
     """Simulate a free-floating robot on a trajectory, and record it."""
-    from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable
     from orbident.robot.oddities import odd_sensors
 

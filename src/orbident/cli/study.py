@@ -1,6 +1,7 @@
 """`orbident study spatial|planar|table|control`."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -10,7 +11,9 @@ import typer
 import orbident as oi
 from orbident.choices import StudyNoise
 from orbident.cli.options import Force, Workers, as_typed
-from orbident.cli.output import Output, progress
+from orbident.cli.output import Output, progress, unless_missing
+from orbident.files.replacing import check_free, replacing, replacing_files
+from orbident.files.text import sha256
 
 TRAJECTORY = "trajectory.yaml"
 RUN = "run"
@@ -151,8 +154,6 @@ def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:
 
 
 def _check_free(out: Path, name: Study, force: bool) -> None:
-    from orbident.files.replacing import check_free
-
     for file in _files(name) if out.exists() else ():
         check_free(out / file, force)
 
@@ -161,12 +162,6 @@ def _keep(
     done: Any, name: Study, out: Path, force: bool, seed: int | None
 ) -> list[str]:
     """Write the study's files and its RUN; a warning where pictures were not made."""
-    from dataclasses import replace
-
-    from orbident.extras import MissingLibraryError
-    from orbident.files.replacing import replacing_files
-    from orbident.files.text import sha256
-
     unmade = []
     cut_offs = {} if name == "control" else done.cut_offs
     with replacing_files(out, _files(name, cut_offs)) as new:
@@ -175,10 +170,8 @@ def _keep(
         recording = _write_data(done, name, new)
         known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
         result = replace(done.result, input=known | as_typed())
-        try:
+        with unless_missing(unmade, f"{out} is kept without its report and pictures"):
             _draw(done, result, f"Study: {name}", cut_offs, new)
-        except MissingLibraryError as refusal:
-            unmade.append(f"{refusal}; {out} is kept without its report and pictures")
         oi.save_result(result, out / RUN, force)
     return unmade
 
@@ -202,7 +195,6 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
 def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
-    from orbident.files.replacing import replacing
     from orbident.report.study_page import drawn_cut_off, write_study_report
 
     write_study_report(done, result, title, folder)

@@ -8,6 +8,10 @@ import typer
 import orbident as oi
 from orbident.cli.options import Force, LogFile, Preset
 from orbident.cli.output import Output, progress
+from orbident.data_table import Numeric
+from orbident.files.names import counted
+from orbident.files.replacing import check_free, write_text
+from orbident.files.text import read_text
 
 
 def topics(
@@ -32,9 +36,6 @@ def topics(
     force: Force = False,
 ) -> None:
     """List what another tool's file holds and propose a topic map."""
-    from orbident.files.names import counted
-    from orbident.files.replacing import check_free, write_text
-    from orbident.files.text import read_text
     from orbident.recordings.topics.presets import known_preset, preset_path
     from orbident.recordings.topics.topic_map import proposed_map
 
@@ -80,8 +81,6 @@ def topics(
 
 
 def _lines(surveyed: Any) -> list[str]:
-    from orbident.data_table import Numeric
-
     rows = [["topic", "type", "messages", "rate (Hz)"]]
     clocks = any(each.offset is not None for each in surveyed)
     if clocks:

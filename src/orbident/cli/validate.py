@@ -1,13 +1,18 @@
 """`orbident validate RUN REC`."""
 
+import json
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import typer
+
 import orbident as oi
 from orbident.cli.options import End, RecordingFile, RunFolder, Start, cut_to_times
 from orbident.cli.output import Output, progress
+from orbident.files.replacing import locked, write_text
+from orbident.files.text import name_of, sha256
 
 
 def validate(
@@ -22,10 +27,6 @@ def validate(
     The exit status is 1 if the parameters differ by more than chance from those that
     this recording alone would give.
     """
-    import typer
-
-    from orbident.files.text import sha256
-
     result = oi.load_result(run)
     table = cut_to_times(oi.read_recording(recording), start, end)
     with progress("predicting"):
@@ -68,10 +69,6 @@ def was_used(
 
 def keep_scores(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
     """Keep the scores in the RUN for its report, where that may be written."""
-    import json
-
-    from orbident.files.replacing import locked, write_text
-    from orbident.files.text import name_of, sha256
     from orbident.identified.run_folder import VALIDATION
 
     origin = {"file": name_of(recording), "sha256": sha256(recording)}

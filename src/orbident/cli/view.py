@@ -8,7 +8,9 @@ import typer
 
 from orbident.cli.options import Force
 from orbident.cli.output import Output, progress
+from orbident.cli.streams import drop_output
 from orbident.errors import InputError
+from orbident.files.replacing import check_free
 
 
 def view(
@@ -56,18 +58,24 @@ def view(
     if record is not None:
         _recorded(output, shown, recording, record, force)
         return
-    from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared
     from orbident.viewer.server import close, keep_moving, open_server
 
     with progress("preparing"):
-        made = prepared(shown, recording)
+        page_on, warnings = prepared(shown, recording)
         served = open_server(host, port)
     try:
-        page = made.page(served.server)
-        output.warn(made.warnings)
+        page = page_on(served.server)
+        output.warn(warnings)
         if served.is_open:
-            output.warn([_open_to_the_network(served.url)])
+            output.warn(
+                [
+                    "the viewer is open to the network: whoever has the address "
+                    f"{served.url} with its token can see the robot and move it, and "
+                    "it is sent unencrypted; leave out --host to keep the viewer on "
+                    "this machine"
+                ]
+            )
         output.say(f"{shown} is shown at {served.url}; Ctrl-C ends it")
         output.write_json({"shown": shown, "url": served.url})
         sys.stdout.flush()
@@ -84,7 +92,6 @@ def _recorded(
     output: Output, shown: str, recording: Path | None, clip: Path, force: bool
 ) -> None:
     """Write the replay as a moving picture."""
-    from orbident.files.replacing import check_free
     from orbident.recordings.tables import read_recording
     from orbident.report.clip import check_clip, write_clip
     from orbident.scene.shown import to_be_shown
@@ -99,14 +106,6 @@ def _recorded(
         found = to_be_shown(shown)
         replay = found.replay(read_recording(recording))
         frames = write_clip(found.scene, replay, clip, done)
-    output.warn([*found.missing(), *replay.warnings])
+    output.warn([*found.scene.warnings, *replay.warnings])
     output.say(f"written: {clip}, {frames} frames")
     output.write_json({"shown": shown, "clip": str(clip), "frames": frames})
-
-
-def _open_to_the_network(url: str) -> str:
-    return (
-        f"the viewer is open to the network: whoever has the address {url} with its "
-        "token can see the robot and move it, and it is sent unencrypted; leave out "
-        "--host to keep the viewer on this machine"
-    )

@@ -80,12 +80,9 @@ def _on_bench(output: Output, files: list[str]) -> None:
 
 def _lines(robot: str, weighing: Any) -> list[str]:
     mass = weighing.mass
-    found = (
-        "mass not determined"
-        if weighing.status == "rejected"
-        else f"mass {mass.value:.6g} +- {mass.std:.2g} kg"
-    )
-    verdict = "refused" if weighing.status == "rejected" else "trusted"
+    verdict, found = "trusted", f"mass {mass.value:.6g} +- {mass.std:.2g} kg"
+    if weighing.status == "rejected":
+        verdict, found = "refused", "mass not determined"
     impulse = sum(component**2 for component in weighing.impulse) ** 0.5
     lines = [
         f"{robot}: {verdict}, {weighing.samples} samples of {weighing.signal}",

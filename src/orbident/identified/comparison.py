@@ -24,7 +24,6 @@ from orbident.identified.single_body import (
     added_body,
     explanations,
     free_columns,
-    total,
 )
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY, SYMBOLS, Structure
@@ -112,24 +111,26 @@ def compare(before: Result, after: Result, body: str | None = None) -> Compariso
 def _of_momentum(before: Result, after: Result) -> Comparison:
     """Whether `pi` is another, where that is all that one of the results has."""
     change = change_of_pi(before, after)
-    warnings = optimistic(before, after)
-    if not change.is_no_chance("comparison"):
-        words = (
-            "pi is compared, as a result has nothing else: robots that differ in their "
-            "masses may have one pi; record positions, too, to tell them apart"
-        )
-        return Comparison("no change", (*warnings, words), change, of="pi")
-    words = (
-        "pi alone does not say what was captured or let go; record positions before "
-        "and after"
+    status, words = (
+        "no change",
+        "pi is compared, as a result has nothing else: robots that differ in their "
+        "masses may have one pi; record positions, too, to tell them apart",
     )
-    return Comparison("changed", (*warnings, words), change, of="pi")
+    if change.is_no_chance("comparison"):
+        status, words = (
+            "changed",
+            "pi alone does not say what was captured or let go; record positions "
+            "before and after",
+        )
+    return Comparison(status, (*optimistic(before, after), words), change, of="pi")
 
 
 def _compared(before: Result, after: Result, body: str | None) -> Comparison:
     warnings = optimistic(before, after)
     difference = difference_of(before, after)
-    change = total(difference)
+    # Only noise where nothing changed.
+    white = difference.W @ difference.d
+    change = ChiSquare(float(np.sum(white**2)), white.size)
     if change.dof and not change.is_no_chance("comparison"):
         return Comparison("no change", warnings, change)
     # What holds it, and with what structure: the total mass tells.
@@ -251,13 +252,13 @@ def undetermined(
     """Why, for every parameter of the captured body that is not determined."""
     i = holder.bodies.index(best.body)
     free = free_columns(holder, i)
-    shows = free[determined_combinations(difference.T_c[:, PER_BODY * i + free]).alone]
+    _, alone = determined_combinations(difference.T_c[:, PER_BODY * i + free])
     plane = " of planar motion" if holder.motion == "planar" else ""
     reasons = {}
     for k in np.flatnonzero(np.isnan(best.theta)):
         if k not in free:
             reason = f"the structure of '{best.body}' takes it as zero"
-        elif k not in shows:
+        elif k not in free[alone]:
             reason = f"does not show in the momentum{plane}"
         else:
             reason = lost(before, after)

@@ -130,14 +130,6 @@ class Difference(NamedTuple):
     """All of `T_c`, including what one of the results does not determine."""
 
 
-class DeterminedCombinations(NamedTuple):
-    """What columns tell of their parameters: combinations `V z` of them, scaled."""
-
-    V: Float[np.ndarray, "columns rank"]
-    alone: Bool[np.ndarray, " columns"]
-    """Which parameters show, not only in combinations with others."""
-
-
 def difference_of(before: Result, after: Result) -> Difference:
     """Subtract two accepted results of one robot.
 
@@ -174,27 +166,27 @@ def change_of_pi(before: Result, after: Result) -> ChiSquare:
             "the structures of the robots differ, so that their pi are of other "
             "parameters; identify one of them again with the structure of the other"
         )
-    one, other = (_known_pi(each) for each in (before, after))
-    return difference_in_pi(after.robot, minimal_sets(after.robot), one, other)
-
-
-def _known_pi(result: Result) -> Known:
-    n = result.pi.values.size
-    return Known(
-        result.pi.values, result.covariance[:n, :n], np.isfinite(result.pi.values)
+    n = after.pi.values.size
+    one, other = (
+        Known(x.pi.values, x.covariance[:n, :n], np.isfinite(x.pi.values))
+        for x in (before, after)
     )
+    return difference_in_pi(after.robot, minimal_sets(after.robot), one, other)
 
 
 def determined_combinations(
     X: Float[np.ndarray, "rows columns"],
-) -> DeterminedCombinations:
-    """Which parameters a matrix shows."""
+) -> tuple[Float[np.ndarray, "columns rank"], Bool[np.ndarray, " columns"]]:
+    """What columns tell of their parameters: `V`, where combinations `V z` show.
+
+    Then which parameters show alone, not only in combinations with others.
+    """
     size = np.linalg.norm(X, axis=0)
     size[size == 0.0] = 1.0
     _, s, Vt = np.linalg.svd(X / size)
     rank = int(np.sum(s > ZERO * s.max(initial=0.0)))
     alone = np.linalg.norm(Vt[rank:], axis=0) < np.sqrt(ZERO)
-    return DeterminedCombinations(Vt[:rank].T / size[:, None], alone)
+    return Vt[:rank].T / size[:, None], alone
 
 
 def _theta_of(result: Result) -> Float[np.ndarray, "theta beta"]:

@@ -8,10 +8,10 @@ little else. Its URDF has other inertias, and is read again as proof that it mea
 """
 
 import xml.etree.ElementTree as ET
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 from itertools import count
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -28,7 +28,7 @@ from orbident.model.core_robot import (
     theta_with_rotors,
 )
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.description import Coupling, Friction, Joint, Robot, Wheel
+from orbident.robot.description import Friction, Joint, Robot, Wheel
 from orbident.robot.fusing import LinkTree, Placement, fused, link_tree
 from orbident.robot.joint_schema import make_stiff, parsed
 from orbident.robot.oddities import nonphysical
@@ -51,16 +51,10 @@ SAME = 1e-9
 """Relative difference of base parameters that are the same but for rounding."""
 
 
-class Links(NamedTuple):
-    """Where the URDF's links are in the bodies of the robot."""
+def links_of(robot: Robot) -> tuple[LinkTree, dict[str, Placement]]:
+    """The URDF's links behind a robot's bodies, and where each is in its body.
 
-    tree: LinkTree
-    placements: dict[str, Placement]
-    """Where each link is in its body; the base's frame is the base link's, not at S."""
-
-
-def links_of(robot: Robot) -> Links:
-    """The links behind a robot's bodies.
+    The base's frame is the base link's, not at S.
 
     Raises:
         InputError: the robot was not loaded from a URDF.
@@ -72,11 +66,11 @@ def links_of(robot: Robot) -> Links:
     file = validated(RobotFile, dict(robot.document), robot.name)
     tree = link_tree(read_urdf(robot.urdf, robot.name), file.base_link)
     held = frozenset(wheel.joint for wheel in file.wheels if wheel.joint is not None)
-    return Links(tree, fused(tree, held=held).placements)
+    return tree, fused(tree, held=held).placements
 
 
-def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
-    """The robot's URDF with the inertias of `theta`.
+def exported_urdf(robot: Robot) -> str:
+    """The robot's URDF with the inertias of its `theta`.
 
     Links that are fixed to a body become massless. Wheels that are links of their own
     keep their inertia, which `theta` has in it. Flexible joints are stiff, as in the
@@ -87,9 +81,9 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         InputError: the robot was not loaded from a URDF, or what was written does not
             read back with the same base parameters.
     """
-    placements, wheels = links_of(robot).placements, wheel_joints(robot).values()
+    (_, placements), wheels = links_of(robot), wheel_joints(robot).values()
     turning = {link for wheel in wheels for link in wheel.links}
-    own = theta - parts_of_base(robot, wheels)
+    own = robot.theta - parts_of_base(robot, wheels)
     own[0] = transformed(own[0], np.eye(3), robot.feature_point)
     root = parsed(robot.urdf)
     for link in root.findall("link"):
@@ -112,7 +106,7 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
             dynamics.set("damping", repr(friction.viscous))
             dynamics.set("friction", repr(friction.coulomb))
     add_comment(root, lacking_rotors(robot, NO_ROTORS))
-    _check_read_back(robot, theta, ET.tostring(root, encoding="unicode"))
+    _check_read_back(robot, ET.tostring(root, encoding="unicode"))
     make_stiff(root)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
@@ -125,14 +119,12 @@ def add_comment(root: ET.Element, words: str) -> None:
         root.insert(0, ET.Comment(f" {words.replace('--', '- -')} "))
 
 
-def _check_read_back(
-    robot: Robot, theta: Float[np.ndarray, "bodies 10"], text: str
-) -> None:
+def _check_read_back(robot: Robot, text: str) -> None:
     document = dict(robot.document)
     file = validated(RobotFile, document, PLACE)
     again = assembled(file, document, read_urdf(text, PLACE), text, PLACE)
     sets = minimal_sets(robot)
-    meant, found = sets.beta(theta), sets.beta(again.theta)
+    meant, found = sets.beta(robot.theta), sets.beta(again.theta)
     off = np.abs(found - meant).max() / np.abs(meant).max()
     if not off <= SAME:
         raise InputError(
@@ -174,11 +166,11 @@ def wheel_joints(robot: Robot) -> dict[int, WheelJoint]:
     joints = {entry["joint"]: k for k, entry in entries if "joint" in entry}
     if not joints:
         return {}
-    links = links_of(robot)
+    tree, placements = links_of(robot)
     found = {}
-    for joint in (each for below in links.tree.children.values() for each in below):
+    for joint in (each for below in tree.children.values() for each in below):
         if joint.name in joints:
-            wheel, at = fused(links.tree, joint.child), links.placements[joint.child]
+            wheel, at = fused(tree, joint.child), placements[joint.child]
             found[joints[joint.name]] = WheelJoint(
                 joint.child,
                 frozenset(wheel.placements),
@@ -238,36 +230,18 @@ class Mechanism(NamedTuple):
     moves body `k + 1`.
     """
 
-    name: str
-    motion: Literal["spatial", "planar"]
+    robot: Robot
+    """The same with its wheels counted in the base; declared rotors are apart."""
     bodies: tuple[str, ...]
     joints: tuple[Joint, ...]
     theta: Float[np.ndarray, "bodies 10"]
-    feature_point: Float[np.ndarray, "3"]
-    """S in the base's frame, m."""
-    couplings: tuple[Coupling, ...]
     armature: Float[np.ndarray, " joints"]
     """What declared rotors add to each joint's own inertia beside `theta`, kg m^2."""
-    lacks: str
-    """What is said of motors' rotors that are not in it."""
-    lacks_without_armature: str
-    """What a format that has no place for `armature` says of rotors, instead."""
-    friction: Mapping[str, Friction]
-    """Of joints, by their names, where it is declared or was found."""
-
-
-class ExportedRobot(NamedTuple):
-    """The identified robot, in both ways to count its wheels."""
-
-    robot: Robot
-    """Wheels are counted in the base; motors' rotors that are declared are apart."""
-    mechanism: Mechanism
-    """Wheels are bodies."""
-    deviation: float
+    deviation: float = 0.0
     """How far the base parameters were moved so that bodies can exist, in sigmas."""
 
 
-def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobot:
+def exported_robot(result: Result, without_rotors: bool = False) -> Mechanism:
     """Bodies that have the identified parameters, nearest to the nominal ones.
 
     The result is complete and not rejected. Bodies are to exist without the declared
@@ -310,7 +284,7 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
     theta = bodies.theta - geared
     theta = theta - spinning_parts(robot, theta)
     made = replace(robot, theta=theta, friction=friction)
-    return ExportedRobot(made, mechanism_of(made, wheels), bodies.deviation)
+    return mechanism_of(made, wheels)._replace(deviation=bodies.deviation)
 
 
 def mechanism_of(robot: Robot, wheels: tuple[WheelBody, ...]) -> Mechanism:
@@ -332,20 +306,9 @@ def mechanism_of(robot: Robot, wheels: tuple[WheelBody, ...]) -> Mechanism:
         at = Joint(names[-1], "revolute", 0, wheel.axis, np.eye(3), body.p + p)
         joints.append(at)
     theta = np.vstack([theta, *(wheel.theta for wheel in wheels)])
-    tree = tuple(bodies), tuple(joints), theta
     armature = np.zeros(len(joints))
     armature[: len(robot.joints)] = rotors_of(robot).armature
-    return Mechanism(
-        robot.name,
-        robot.motion,
-        *tree,
-        p,
-        robot.couplings,
-        armature,
-        lacking_rotors(robot),
-        lacking_rotors(robot, NO_ARMATURE),
-        robot.friction,
-    )
+    return Mechanism(robot, tuple(bodies), tuple(joints), theta, armature)
 
 
 def unused(name: str, taken: Collection[str]) -> str:

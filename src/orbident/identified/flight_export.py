@@ -313,11 +313,10 @@ def samples_for_flight(
     require_measured(robot, "the filter")
     check_regular(robot)
     clean = screened(robot, recording.with_joints_of(robot)).recording
-    if not isinstance(source, Result):
-        clocks = base_clocks(robot, clean)
-        return robot, samples_of(robot, clean, corrections(clocks)), None
-    samples = samples_of(robot, clean, corrections(source.clocks))
-    if source.initial_momentum != "at-rest":
+    of_result = isinstance(source, Result)
+    clocks = source.clocks if of_result else base_clocks(robot, clean)
+    samples = samples_of(robot, clean, corrections(clocks))
+    if not of_result or source.initial_momentum != "at-rest":
         return robot, samples, None
     known = known_momentum(robot, minimal_sets(robot), samples, "at-rest")
     return robot, samples, None if known is None else np.asarray(known.h)

@@ -218,19 +218,14 @@ def _check_complete(result: Result) -> None:
             )
 
 
-class PredictionDeviations(NamedTuple):
-    """Standard deviations of a prediction."""
-
-    w: Float[np.ndarray, "n 3"]
-    """Base rate, base axes, rad/s."""
-    v_S: Float[np.ndarray, "n 3"]
-    """Velocity of S, inertial axes, m/s."""
-
-
 def prediction_deviations(
     result: Result, prediction: Prediction
-) -> PredictionDeviations:
-    """The standard deviations of what was predicted; NaN without a covariance."""
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
+    """The standard deviations of what was predicted; NaN without a covariance.
+
+    Those of the base rate are along base axes, rad/s, and those of the velocity of S
+    along inertial axes, m/s.
+    """
     robot, sets = result.robot, minimal_sets(result.robot)
     changes = partial(_momentum_and_velocity, sets.regressors, *_changed(result, sets))
     seen = prediction.measured
@@ -255,7 +250,7 @@ def prediction_deviations(
     v = rotate(at.V, w) + at.v_q
     off = at.V @ dw + dv - cross_matrix(v) @ f
     dv = R @ off + dv_cm
-    return PredictionDeviations(np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2))
+    return np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2)
 
 
 def _changed(
@@ -295,30 +290,24 @@ HELD = 1e-6
 """Part of its size within which a number that is given may move."""
 
 
-class PoseErrors(NamedTuple):
-    """RMS of a predicted pose's error over that of the pose about its mean, by sensor.
-
-    Of all windows together, and only of sensors that were recorded.
-    """
-
-    identified: dict[str, float]
-    nominal: dict[str, float]
-    """By the robot file's bodies in place of the identified ones, and thrust as it was
-    recorded."""
-
-
-def pose_errors(result: Result, recording: Recording) -> PoseErrors:
+def pose_errors(
+    result: Result, recording: Recording
+) -> tuple[dict[str, float], dict[str, float]]:
     """How well a result predicts the pose over windows of five seconds.
 
-    The result has all of its base parameters.
+    RMS of a predicted pose's error over that of the pose about its mean, by sensor: of
+    all windows together, and only of sensors that were recorded. Then such errors by
+    the robot file's bodies in place of the identified ones, and thrust as it was
+    recorded. The result has all of its base parameters.
     """
     robot = replace(result.robot, disturbances={}, momentum_walk=MomentumWalk())
     clean = cleaned(robot, recording, Settings()).recording
     errors = {name: each.value for name, each in result.calibration.items()}
     late = corrections(result.clocks)
-    return PoseErrors(
+    nominal = minimal_sets(robot).beta(robot.theta)
+    return (
         _relative(robot, result.base.values, errors, clean, late),
-        _relative(robot, minimal_sets(robot).beta(robot.theta), {}, clean, late),
+        _relative(robot, nominal, {}, clean, late),
     )
 
 

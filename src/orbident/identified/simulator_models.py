@@ -24,14 +24,14 @@ from orbident.extras import extra
 from orbident.files.bounds import LARGEST
 from orbident.identified.exported_robot import (
     FEATURE_POINT,
-    ExportedRobot,
+    NO_ARMATURE,
     Mechanism,
     add_comment,
     exported_robot,
     unused,
 )
 from orbident.identified.generated_code import template_text
-from orbident.model.core_robot import theta_with_rotors
+from orbident.model.core_robot import lacking_rotors, theta_with_rotors
 from orbident.robot.description import NO_FRICTION, Joint, Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -45,14 +45,15 @@ from orbident.robot.urdf import roll_pitch_yaw, spaced
 KINDS = {"revolute": "hinge", "prismatic": "slide"}
 
 
-def mjcf(robot: Mechanism) -> str:
+def mjcf(made: Mechanism) -> str:
     """The robot as an MJCF file.
 
     S is a site. The base floats on a free joint, or in the plane on two slides and a
     hinge.
     """
+    robot = made.robot
     root = ET.Element("mujoco", model=robot.name)
-    add_comment(root, robot.lacks)
+    add_comment(root, lacking_rotors(robot))
     # Neither may MuJoCo repair an inertia nor weigh a shape.
     ET.SubElement(
         root,
@@ -63,13 +64,13 @@ def mjcf(robot: Mechanism) -> str:
         inertiafromgeom="false",
     )
     ET.SubElement(root, "option", gravity="0 0 0")
-    base = ET.SubElement(ET.SubElement(root, "worldbody"), "body", name=robot.bodies[0])
-    _add_root_joints(base, robot)
-    _add_inertial(base, robot.theta[0])
+    base = ET.SubElement(ET.SubElement(root, "worldbody"), "body", name=made.bodies[0])
+    _add_root_joints(base, made)
+    _add_inertial(base, made.theta[0])
     ET.SubElement(base, "site", name=FEATURE_POINT, pos=spaced(robot.feature_point))
     bodies = [base]
-    for k, joint in enumerate(robot.joints):
-        bodies.append(_body(bodies[joint.parent], robot, k))
+    for k, joint in enumerate(made.joints):
+        bodies.append(_body(bodies[joint.parent], made, k))
     for follower, leader, factor, offset in robot.couplings:
         ET.SubElement(
             ET.SubElement(root, "equality"),
@@ -82,8 +83,8 @@ def mjcf(robot: Mechanism) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _add_root_joints(base: ET.Element, robot: Mechanism) -> None:
-    if robot.motion == "spatial":
+def _add_root_joints(base: ET.Element, made: Mechanism) -> None:
+    if made.robot.motion == "spatial":
         ET.SubElement(base, "freejoint")
         return
     axes = (
@@ -92,15 +93,15 @@ def _add_root_joints(base: ET.Element, robot: Mechanism) -> None:
         ("turn", "hinge", "0 0 1"),
     )
     for name, kind, axis in axes:
-        free = unused(f"{robot.bodies[0]}_{name}", [each.name for each in robot.joints])
+        free = unused(f"{made.bodies[0]}_{name}", [each.name for each in made.joints])
         ET.SubElement(base, "joint", name=free, type=kind, axis=axis)
 
 
-def _body(parent: ET.Element, robot: Mechanism, k: int) -> ET.Element:
+def _body(parent: ET.Element, made: Mechanism, k: int) -> ET.Element:
     """The body that joint `k` moves."""
-    name, joint = robot.bodies[k + 1], robot.joints[k]
-    friction = robot.friction.get(joint.name, NO_FRICTION)
-    x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
+    name, joint = made.bodies[k + 1], made.joints[k]
+    friction = made.robot.friction.get(joint.name, NO_FRICTION)
+    x = _quaternion(joint.R_PJ)
     body = ET.SubElement(parent, "body", name=name, pos=spaced(joint.p_PJ), quat=x)
     about = ET.SubElement(
         body, "joint", name=joint.name, type=KINDS[joint.kind], axis=spaced(joint.axis)
@@ -108,13 +109,13 @@ def _body(parent: ET.Element, robot: Mechanism, k: int) -> ET.Element:
     if joint.position is not None:
         about.set("range", spaced(joint.within(LARGEST)))
     for key, value in (
-        ("armature", float(robot.armature[k])),
+        ("armature", float(made.armature[k])),
         ("damping", friction.viscous),
         ("frictionloss", friction.coulomb),
     ):
         if value:
             about.set(key, repr(value))
-    _add_inertial(body, robot.theta[k + 1])
+    _add_inertial(body, made.theta[k + 1])
     return body
 
 
@@ -126,52 +127,52 @@ def _add_inertial(body: ET.Element, theta: Float[np.ndarray, "10"]) -> None:
         body,
         "inertial",
         pos=spaced(theta[FIRST_MOMENT] / theta[MASS]),
-        quat=_scalar_first(Rotation.from_matrix(axes * np.linalg.det(axes)).as_quat()),
+        quat=_quaternion(axes * np.linalg.det(axes)),
         mass=spaced([theta[MASS]]),
         diaginertia=spaced(moments),
     )
 
 
-def _scalar_first(x: Float[np.ndarray, "4"]) -> str:
-    return spaced(np.roll(x, 1))
+def _quaternion(R: Float[np.ndarray, "3 3"]) -> str:
+    return spaced(Rotation.from_matrix(R).as_quat(scalar_first=True))
 
 
 VERSION = "1.7"
 """The first in which frames, such as that of S, mean what they do today."""
 
 
-def sdf(robot: Mechanism) -> str:
+def sdf(made: Mechanism) -> str:
     """The robot as an SDF file with one model.
 
     Links stand where they are at `q = 0`; the model's frame is the base link's. S is a
     frame. The base is free, in the plane too: no joint of the format holds it there.
     """
     root = ET.Element("sdf", version=VERSION)
-    add_comment(root, robot.lacks_without_armature)
-    model = ET.SubElement(root, "model", name=robot.name)
+    add_comment(root, lacking_rotors(made.robot, NO_ARMATURE))
+    model = ET.SubElement(root, "model", name=made.robot.name)
     R, p = [np.eye(3)], [np.zeros(3)]
-    for joint in robot.joints:
+    for joint in made.joints:
         R_0, p_0 = R[joint.parent], p[joint.parent]
         R.append(R_0 @ joint.R_PJ)
         p.append(p_0 + R_0 @ joint.p_PJ)
-    for k, name in enumerate(robot.bodies):
+    for k, name in enumerate(made.bodies):
         link = ET.SubElement(model, "link", name=name)
         _add(link, "pose", [*p[k], *roll_pitch_yaw(R[k])])
         ET.SubElement(link, "gravity").text = "false"
-        theta, inertial = robot.theta[k], ET.SubElement(link, "inertial")
+        theta, inertial = made.theta[k], ET.SubElement(link, "inertial")
         _add(inertial, "pose", [*(theta[FIRST_MOMENT] / theta[MASS]), 0, 0, 0])
         _add(inertial, "mass", [theta[MASS]])
         inertia, I = ET.SubElement(inertial, "inertia"), inertia_about_com(theta)
         for a, b in INERTIA_ENTRIES:
             _add(inertia, f"i{'xyz'[a]}{'xyz'[b]}", [I[a, b]])
     # Links, joints and frames share their names.
-    taken = [*robot.bodies]
-    for joint, child in zip(robot.joints, robot.bodies[1:], strict=True):
+    taken = [*made.bodies]
+    for joint, child in zip(made.joints, made.bodies[1:], strict=True):
         taken.append(unused(joint.name, taken))
-        _add_joint(model, taken[-1], joint, robot.bodies[joint.parent], child)
+        _add_joint(model, taken[-1], joint, made.bodies[joint.parent], child)
     name = unused(FEATURE_POINT, taken)
-    S = ET.SubElement(model, "frame", name=name, attached_to=robot.bodies[0])
-    _add(S, "pose", [*robot.feature_point, 0, 0, 0])
+    S = ET.SubElement(model, "frame", name=name, attached_to=made.bodies[0])
+    _add(S, "pose", [*made.robot.feature_point, 0, 0, 0])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -200,7 +201,7 @@ def _add(parent: ET.Element, tag: str, numbers: Iterable[SupportsFloat]) -> None
 ELSEWHERE = "export a .xml, which Basilisk's MuJoCo scenes read"
 
 
-def basilisk_script(made: ExportedRobot) -> str:
+def basilisk_script(made: Mechanism) -> str:
     """The text of the script.
 
     Raises:
@@ -225,7 +226,7 @@ def basilisk_script(made: ExportedRobot) -> str:
         "FEATURE_POINT": robot.feature_point.tolist(),
     }
     lines = [f"{key} = {pformat(x, sort_dicts=False)}" for key, x in data.items()]
-    if lacks := made.mechanism.lacks_without_armature:
+    if lacks := lacking_rotors(robot, NO_ARMATURE):
         lines.insert(0, f"# {lacks}.")
     # A name may hold quotes.
     name = "".join(c for c in robot.name if c.isalnum() or c in " -_.")
@@ -260,15 +261,15 @@ def _arm(robot: Robot, first: int) -> Iterator[int]:
         at = beyond[0]
 
 
-def _link(made: ExportedRobot, k: int) -> dict[str, Any]:
-    joint = made.mechanism.joints[k]
+def _link(made: Mechanism, k: int) -> dict[str, Any]:
+    joint = made.joints[k]
     return {
         "joint": joint.name,
         "kind": joint.kind,
         "position": joint.p_PJ.tolist(),
         "rotation": joint.R_PJ.tolist(),
         "axis": joint.axis.tolist(),
-        **_mass(made.mechanism.theta[k + 1]),
+        **_mass(made.theta[k + 1]),
     }
 
 
@@ -289,7 +290,7 @@ def mujoco_spec(result: Result) -> Any:
     with extra("mujoco", "to_mujoco()"):
         import mujoco
 
-    text = mjcf(exported_robot(result).mechanism)
+    text = mjcf(exported_robot(result))
     return mujoco.MjSpec.from_string(text)  # pyright: ignore[reportAttributeAccessIssue]: compiled
 
 
@@ -304,16 +305,16 @@ def pinocchio_model(result: Result) -> Any:
     """
     with extra("pinocchio", "to_pinocchio()"):
         import pinocchio
-    robot = exported_robot(result).mechanism
+    made = exported_robot(result)
     # Compiled, without stubs.
     pin: Any = pinocchio
     model = pin.Model()
-    model.name = robot.name
+    model.name = made.robot.name
     model.gravity.linear = np.zeros(3)
     free = pin.JointModelFreeFlyer()
-    root = pin.JointModelPlanar() if robot.motion == "planar" else free
+    root = pin.JointModelPlanar() if made.robot.motion == "planar" else free
     moving = [model.addJoint(0, root, pin.SE3.Identity(), "root_joint")]
-    for joint in robot.joints:
+    for joint in made.joints:
         kind = (
             pin.JointModelRevoluteUnaligned
             if joint.kind == "revolute"
@@ -325,13 +326,13 @@ def pinocchio_model(result: Result) -> Any:
         ends = (np.array([x]) for x in (np.inf, speed, low, high))
         parent = moving[joint.parent]
         moving.append(model.addJoint(parent, kind(joint.axis), at, joint.name, *ends))
-    model.armature[model.nv - len(robot.joints) :] = robot.armature
-    for index, name, theta in zip(moving, robot.bodies, robot.theta, strict=True):
+    model.armature[model.nv - len(made.joints) :] = made.armature
+    for index, name, theta in zip(moving, made.bodies, made.theta, strict=True):
         inertia = pin.Inertia.FromDynamicParameters(theta)
         model.appendBodyToJoint(index, inertia, pin.SE3.Identity())
         carrier = model.addJointFrame(index)
         model.addBodyFrame(name, index, pin.SE3.Identity(), carrier)
-    S = pin.SE3(np.eye(3), robot.feature_point)
-    base = model.getFrameId(robot.bodies[0])
+    S = pin.SE3(np.eye(3), made.robot.feature_point)
+    base = model.getFrameId(made.bodies[0])
     model.addFrame(pin.Frame(FEATURE_POINT, moving[0], base, S, pin.FrameType.OP_FRAME))
     return model

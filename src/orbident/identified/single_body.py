@@ -41,13 +41,6 @@ class Explanation(NamedTuple):
     """That it is this body, if it is one (Akaike's weight)."""
 
 
-def total(difference: Difference) -> ChiSquare:
-    """Chi-square of the difference itself: only noise where nothing changed."""
-    return ChiSquare(
-        float(np.sum((difference.W @ difference.d) ** 2)), difference.d.size
-    )
-
-
 def explanations(difference: Difference, robot: Robot) -> tuple[Explanation, ...]:
     """Every body in turn, the most probable first; of equals the ends of the arms.
 

@@ -32,7 +32,6 @@ from orbident.gaussian import NINETY_FIVE, rms_of
 from orbident.identified.difference import change_of_pi
 from orbident.identified.prediction import (
     WINDOW,
-    PoseErrors,
     Prediction,
     pose_errors,
     predict,
@@ -78,12 +77,12 @@ class Validation(JsonPart):
     inside: Annotated[dict[str, NullableNumber], Field(alias="inside_95")]
     """Fraction of samples within 1.96 of these: 0.95 where the parameters alone are
     off, and less with noisy sensors, whose noise is not in it."""
-    noise: dict[str, NullableNumber]
+    noise: dict[str, NullableNumber] = field(default_factory=dict)
     """RMS of the error that parameters fitted to this very recording leave: the
     sensors' share."""
-    verdict: Verdict
+    verdict: Verdict = "not judged"
     """Whether deviations and sensors explain the errors."""
-    reason: str
+    reason: str = ""
     chi2: NullableNumber = np.nan
     """Squared difference from the recording's own parameters, over its covariance."""
     dof: Annotated[int, Field(alias="degrees_of_freedom")] = 0
@@ -188,9 +187,9 @@ def validate(result: Result, recording: RecordingLike) -> Validation:
 def _of_poses(result: Result, recording: Recording) -> Validation:
     """The errors of poses alone: thrust is in no other prediction."""
     result.check_model()
-    found = PoseErrors({}, {})
+    pose, by_nominal = {}, {}
     if np.isfinite(result.base.values).all() and not result.robot.passive:
-        found = pose_errors(result, recording)
+        pose, by_nominal = pose_errors(result, recording)
     none: dict[str, NullableNumber] = dict.fromkeys(SCORED, np.nan)
     return Validation(
         nrmse=none,
@@ -198,11 +197,8 @@ def _of_poses(result: Result, recording: Recording) -> Validation:
         samples=recording.t.size,
         std=none,
         inside=none,
-        noise={},
-        verdict="not judged",
-        reason="",
-        pose=found.identified,
-        pose_by_nominal=found.nominal,
+        pose=pose,
+        pose_by_nominal=by_nominal,
     )
 
 
@@ -249,10 +245,11 @@ def scored(result: Result, recording: Recording) -> Validation:
     """
     prediction = predict(result, recording)
     axes_h, axes_v = conserved_axes(result.robot)
-    measured, std = prediction.measured, prediction_deviations(result, prediction)
+    measured = prediction.measured
+    w_std, v_std = prediction_deviations(result, prediction)
     # Each with what was measured, the error, and its deviation by the parameters.
-    gyro = np.array([measured.w, prediction.w - measured.w, std.w])
-    velocity = np.array([measured.v_S, prediction.v_S - measured.v_S, std.v_S])
+    gyro = np.array([measured.w, prediction.w - measured.w, w_std])
+    velocity = np.array([measured.v_S, prediction.v_S - measured.v_S, v_std])
     signals = {
         "gyro": gyro[..., axes_h],
         "velocity": velocity[:, measured.moving][..., axes_v],
@@ -277,9 +274,6 @@ def scored(result: Result, recording: Recording) -> Validation:
         samples=prediction.t.size,
         std={name: rms_of(std) for name, (*_, std) in signals.items()},
         inside={name: _inside(error, std) for name, (_, error, std) in signals.items()},
-        noise={},
-        verdict="not judged",
-        reason="",
         torques=own,
         torques_by_nominal=by_nominal,
     )

@@ -106,15 +106,15 @@ def nothing_carried(robot: Robot) -> Carried:
     return Carried(nothing, nothing, StreamClocks(attitude_columns(robot)))
 
 
-def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
-    """Read it back, or nothing where there is no such file.
+def read_state(path: Path | None, robot: Robot, velocity_std: float | None) -> Carried:
+    """Read it back, or nothing where there is no such file, or none was named.
 
     The deviation of a velocity sample is in m/s.
 
     Raises:
         InputError: it is no such file, is damaged, or is of another robot or noise.
     """
-    if not path.exists():
+    if path is None or not path.exists():
         return nothing_carried(robot)
     try:
         return _read(path, robot, velocity_std)
@@ -238,9 +238,7 @@ class Session:
         # Before any sample: what is sent must not end the run.
         declared_noise(robot, 1.0, velocity_std)
         self._robot, self._state = robot, state
-        carried = nothing_carried(robot)
-        if state is not None:
-            carried = read_state(state, robot, velocity_std)
+        carried = read_state(state, robot, velocity_std)
         self._lines = Lines(robot, source)
         self._filter = LiveFilter(robot, velocity_std, every, carried)
         self._source = source

@@ -7,7 +7,7 @@ polynomial in time, and faster motion leaves innovations that are not white.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool
@@ -48,28 +48,30 @@ ROUNDS = 4
 """Rounds that leave out outlying samples: after a jump there is always another."""
 
 
-class CleanModel(NamedTuple):
-    """The noise of samples, those that are outliers apart."""
+def clean_model(
+    where: str, t: Samples, y: Samples, parts: Sequence[tuple[str, ...]]
+) -> tuple[NoiseModel, Bool[np.ndarray, " n"]]:
+    """As `best_model`, without the samples that it does not explain; which are kept.
 
-    model: NoiseModel
-    kept: Bool[np.ndarray, " n"]
-    settled: bool
-    """Whether no further sample is an outlier."""
+    The recording and the axis, `where`, are for the message.
 
-
-def clean_model(t: Samples, y: Samples, parts: Sequence[tuple[str, ...]]) -> CleanModel:
-    """As `best_model`, without the samples that it does not explain."""
+    Raises:
+        InputError: there is always a further sample that is not explained.
+    """
     kept = np.ones(t.size, dtype=bool)
     model = best_model(t, y, parts)
     for _ in range(ROUNDS):
         outlying = np.abs(model.innovations) > OUTLYING
         if not outlying.any():
-            return CleanModel(model, kept, True)
+            return model, kept
         kept[np.flatnonzero(kept)[outlying]] = False
         if not varies(y[kept]):
             break
         model = best_model(t[kept], y[kept], parts)
-    return CleanModel(model, kept, False)
+    raise InputError(
+        f"{where} jumps: again and again there are samples beyond {OUTLYING:g} "
+        "deviations of all that is left; give a recording at rest"
+    )
 
 
 def varies(x: Samples) -> bool:
@@ -254,12 +256,7 @@ def _axis_noise(
     """The bias of a gyro or an accelerometer is a Gauss-Markov process alone."""
     where = f"{recording.source}: {sensor}.{axis}"
     inertial = isinstance(UNDECLARED[sensor], InertialSpec)
-    model, kept, settled = clean_model(t, x, ((), MARKOV) if inertial else PARTS)
-    if not settled:
-        raise InputError(
-            f"{where} jumps: again and again there are samples beyond {OUTLYING:g} "
-            "deviations of all that is left; give a recording at rest"
-        )
+    model, kept = clean_model(where, t, x, ((), MARKOV) if inertial else PARTS)
     check_still(where, t[kept], x[kept], model)
     return AxisNoise(sensor, axis, t[kept], x[kept], model, int(np.sum(~kept)))
 

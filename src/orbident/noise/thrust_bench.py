@@ -68,13 +68,6 @@ class BenchThrust(NamedTuple):
     """From nine tenths of the thrust to one after the command has ended, s, median."""
 
 
-class _Pulse(NamedTuple):
-    thrust: float
-    late: float
-    rise: float
-    decay: float
-
-
 def thrust_on_bench(path: Path) -> BenchThrust:
     """Thrust, rise, decay and scatter of one thruster from a load cell's table.
 
@@ -157,8 +150,8 @@ def _pulses(
     t: Float[np.ndarray, " n"],
     force: Float[np.ndarray, " n"],
     on: Bool[np.ndarray, " n"],
-) -> Iterator[_Pulse]:
-    """Those that have a pause before and behind."""
+) -> Iterator[tuple[float, float, float, float]]:
+    """Thrust, late, rise and decay of those that have a pause before and behind."""
     edges = np.flatnonzero(np.diff(on)) + 1
     bounds = [0, *edges.tolist(), on.size]
     for k in range(2 if on[0] else 1, len(bounds) - 2, 2):
@@ -181,8 +174,7 @@ def _pulses(
         share = (force - zero) / thrust
         up = [_first(t, share >= level, start, after) for level in (LOW, HIGH)]
         down = [_first(t, share <= level, end, after) for level in (HIGH, LOW)]
-        late = up[0] - float(t[start])
-        yield _Pulse(thrust, late, up[1] - up[0], down[1] - down[0])
+        yield thrust, up[0] - float(t[start]), up[1] - up[0], down[1] - down[0]
 
 
 def _first(

@@ -72,7 +72,8 @@ def write_clip(
     Raises:
         InputError: it cannot be written there.
     """
-    t, stage = replay.measured.thinned(FRAMES).t, _Stage(scene, replay)
+    replay = replay.thinned(FRAMES)
+    t, stage = replay.measured.t, _Stage(scene, replay)
     pictures = []
     for k, time in enumerate(t):
         pictures.append(stage.picture(k, f"{time - t[0]:.2f} s"))
@@ -107,7 +108,7 @@ class _Stage:
         self._axes = view_axes(scene.eye)
         robot, model = scene.robot, replay.model or scene.robot
         self._actors = [
-            _Actor(words, colour, with_resting_cm(scene, motion.thinned(FRAMES), by))
+            _Actor(words, colour, with_resting_cm(scene, motion, by))
             for words, colour, motion, by in (
                 ("as CAD predicts", CAD, replay.by_cad, robot),
                 ("as identified", IDENTIFIED, replay.predicted, model),

@@ -27,9 +27,6 @@ from orbident.report.charts import (
 )
 from orbident.report.page import Chart, Section, typeset
 
-COST = "cost"
-SIZE = "largest change (standard deviations)"
-
 WIDE = 10.0
 """Largest over smallest cost, from which on the axis is logarithmic."""
 
@@ -61,8 +58,9 @@ def convergence(steps: Convergence) -> Section | None:
     # At most nine numbers on the axis.
     x = {"dtick": -(-taken // 8), "range": across}
     wide = cost.max() > WIDE * cost.min()
-    costs = Panel(COST, of_cost, y=decades(cost) if wide else {})
-    sizes = Panel(SIZE, of_size, y=decades(size, np.array([SMALL])))
+    costs = Panel("cost", of_cost, y=decades(cost) if wide else {})
+    change = "largest change (standard deviations)"
+    sizes = Panel(change, of_size, y=decades(size, np.array([SMALL])))
     return Section(
         name="convergence",
         title="Convergence of the fit",

@@ -1,7 +1,6 @@
 """What was measured against what is predicted, and whether what is left is white."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -166,15 +165,6 @@ DRAWN = 160
 """Bands of a spectrum, evenly spaced by logarithm."""
 
 
-class AmplitudeSpectrum(NamedTuple):
-    """The spectrum of one axis's residuals."""
-
-    f: Float[np.ndarray, " lines"]
-    """Hz."""
-    density: Float[np.ndarray, " lines"]
-    """Amplitude, the signal's unit per square root of Hz."""
-
-
 def residuals(signal: Signal) -> Float[np.ndarray, "n axes"]:
     """Measured less predicted."""
     return signal.measured - signal.predicted
@@ -189,8 +179,11 @@ def autocorrelation(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lags"]:
 
 def spectrum(
     t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"]
-) -> AmplitudeSpectrum:
-    """As if the samples came evenly (Welch 1967): the mean of each band."""
+) -> tuple[Float[np.ndarray, " lines"], Float[np.ndarray, " lines"]]:
+    """Frequencies, Hz, and the amplitude, the signal's unit per square root of Hz.
+
+    They are as if the samples came evenly (Welch 1967), each the mean of a band.
+    """
     rate = 1 / float(np.median(np.diff(t)))
     f, power = power_density(x, rate)
     f, power = f[1:], power[1:]
@@ -198,7 +191,7 @@ def spectrum(
         starts = np.unique(np.searchsorted(f, np.geomspace(f[0], f[-1], DRAWN)))
         counts = np.diff(starts, append=f.size)
         f, power = (np.add.reduceat(part, starts) / counts for part in (f, power))
-    return AmplitudeSpectrum(f, np.sqrt(power))
+    return f, np.sqrt(power)
 
 
 def power_density(

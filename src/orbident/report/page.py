@@ -146,23 +146,14 @@ class Verdict(NamedTuple):
         """The level, in a word."""
         return VERDICTS[self.level].capitalize()
 
-    @property
-    def style(self) -> str:
-        """The level, as a style's name."""
-        return self.level.replace(" ", "-")
-
 
 def verdict_of(result: Result) -> Verdict:
-    """The checks of a result; this module adds none."""
-    return Verdict(result.level, mass_in_words(result), result.checks, result.notes)
-
-
-def mass_in_words(result: Result) -> str:
-    """The mass with its interval."""
+    """The checks of a result, and its mass with the interval; it adds no check."""
     M, std = result.mass.value, result.mass.std
-    if not np.isfinite(M):
-        return ""
-    return f"{with_std(M, std)} ± {short(std, 2)} kg (95 %: {interval_text(M, std)} kg)"
+    mass = f"{with_std(M, std)} ± {short(std, 2)} kg (95 %: {interval_text(M, std)} kg)"
+    return Verdict(
+        result.level, mass if np.isfinite(M) else "", result.checks, result.notes
+    )
 
 
 def page(

@@ -204,6 +204,14 @@ class Replay(NamedTuple):
     """Whether the velocity of S was measured; else the system CM is taken to rest."""
     warnings: tuple[str, ...]
 
+    def thinned(self, most: int) -> "Replay":
+        """Every motion at no more than `most` of its times, evenly chosen."""
+        return self._replace(
+            measured=self.measured.thinned(most),
+            predicted=self.predicted and self.predicted.thinned(most),
+            by_cad=self.by_cad and self.by_cad.thinned(most),
+        )
+
 
 def recorded_motion(robot: Robot, recording: Recording) -> Replay:
     """What a recording shows of a robot; momentum is that of its nominal inertia.

@@ -48,10 +48,8 @@ class Scene:
     """Position of each wheel from S, base axes, m."""
     size: float
     """The longest way from S along the joints, m."""
-    missing: tuple[str, ...]
-    """Meshes that the URDF names and that could not be read."""
-    refusal: str
-    """Why no mesh can be read: the library for it is not installed; else empty."""
+    warnings: tuple[str, ...]
+    """A sentence where meshes that the URDF names are not shown."""
 
     @property
     def eye(self) -> Float[np.ndarray, "3"]:
@@ -73,7 +71,7 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
     Meshes are looked for from the folder of the URDF; without one, none is.
     """
     size = robot_size(robot)
-    shown, missing, refusal = _shown(robot, folder)
+    shown, warnings = _shown(robot, folder)
     for body in range(len(robot.bodies)):
         if not any(shape.frame == body for shape in shown):
             shown += made_shapes(robot, body, size)
@@ -95,26 +93,25 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
             bar = box(np.array([1.8, 0.35, 0.5]) * radius, MARK)
             shapes += [shape._replace(frame=frame) for shape in (disc, bar)]
     shapes += [shape for shape in shown if shape.frame < len(robot.bodies)]
-    return Scene(robot, tuple(shapes), R, p, size, missing, refusal)
+    return Scene(robot, tuple(shapes), R, p, size, warnings)
 
 
-def _shown(
-    robot: Robot, folder: Path | None
-) -> tuple[list[Shape], tuple[str, ...], str]:
+def _shown(robot: Robot, folder: Path | None) -> tuple[list[Shape], tuple[str, ...]]:
     """What the URDF shows, in frames of bodies; of rotors in the base's, but theirs."""
     if not robot.urdf:
-        return [], (), ""
-    by_link, missing, refusal = link_shapes(robot.urdf, folder)
+        return [], ()
+    found = link_shapes(robot.urdf, folder)
     wheel_of = {
         link: k for k, rotor in wheel_joints(robot).items() for link in rotor.links
     }
     shown = []
-    for link, at in links_of(robot).placements.items():
+    _, placements = links_of(robot)
+    for link, at in placements.items():
         p = at.p - robot.feature_point if at.body == 0 else at.p
         wheel = wheel_of.get(link)
         frame = at.body if wheel is None else len(robot.bodies) + wheel
-        shown += [shape.moved(frame, at.R, p) for shape in by_link[link]]
-    return shown, missing, refusal
+        shown += [shape.moved(frame, at.R, p) for shape in found.by_link[link]]
+    return shown, found.warnings
 
 
 def _outside(

@@ -243,6 +243,21 @@ class LinkShapes(NamedTuple):
     refusal: str
     """Why no mesh can be read: the library for it is not installed; else empty."""
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence where meshes are not shown."""
+        if not self.missing:
+            return ()
+        if self.refusal:
+            return (f"{self.refusal}; collision shapes or boxes stand for all meshes",)
+        listed = ", ".join(name.rsplit("/", 1)[-1] for name in self.missing[:3])
+        more = ", .." * (len(self.missing) > 3)
+        return (
+            f"{len(self.missing)} meshes are not there, cannot be read or lie outside "
+            f"the robot's folder and packages ({listed}{more}); collision shapes or "
+            "boxes stand for them",
+        )
+
 
 def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
     """The visuals of every link; its collision shapes where a visual cannot be had.

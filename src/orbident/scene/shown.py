@@ -24,21 +24,6 @@ class Shown(NamedTuple):
     """The robot with the inertia that decides how it floats."""
     replay: Callable[[Recording], Replay]
 
-    def missing(self) -> tuple[str, ...]:
-        """A sentence where meshes are not shown."""
-        scene = self.scene
-        if not scene.missing:
-            return ()
-        if scene.refusal:
-            return (f"{scene.refusal}; collision shapes or boxes stand for all meshes",)
-        listed = ", ".join(name.rsplit("/", 1)[-1] for name in scene.missing[:3])
-        more = ", .." * (len(scene.missing) > 3)
-        return (
-            f"{len(scene.missing)} meshes are not there, cannot be read or lie outside "
-            f"the robot's folder and packages ({listed}{more}); collision shapes or "
-            "boxes stand for them",
-        )
-
 
 def to_be_shown(named: str) -> Shown:
     """The robot of this name or file, or that of a RUN folder.

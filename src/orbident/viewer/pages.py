@@ -1,6 +1,6 @@
 """Pages: joints moved by hand with a base that answers, or a motion that is played."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -151,18 +151,17 @@ class ReplayPage:
 
     def __init__(self, server: Any, scene: Scene, replay: Replay, title: str):
         """Show the first time."""
-        measured = replay.measured.thinned(MOST_TIMES)
-        predicted = replay.predicted and replay.predicted.thinned(MOST_TIMES)
+        replay = replay.thinned(MOST_TIMES)
+        measured = replay.measured
         slowed = slow_motion(measured)
         self._motion, self._origins = measured, measured.r_S
         angles = measured.wheel_angles() / slowed
         at = placed(scene, measured, angles)
         self._robots = [(DrawnRobot(server, "/robot", scene), at)]
-        by_cad = replay.by_cad and replay.by_cad.thinned(MOST_TIMES)
         self._ghosts: dict[str, DrawnRobot] = {}
         for name, motion, colour in (
-            ("Predicted", predicted, IDENTIFIED),
-            ("CAD", by_cad, CAD),
+            ("Predicted", replay.predicted, IDENTIFIED),
+            ("CAD", replay.by_cad, CAD),
         ):
             if motion:
                 ghost = DrawnRobot(server, f"/{name.lower()}", scene, colour)
@@ -177,14 +176,14 @@ class ReplayPage:
             self._arrows = [Arrows(server, found, self._stage.size)]
             paths["system CM"] = found.r_cm
         self._trails = Trails(server, paths | tips(scene.robot, at))
-        self._ellipsoids = _ellipsoids(server, scene, replay, measured)
+        self._ellipsoids = _ellipsoids(server, scene, replay)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
         self._add_controls(server)
         panel = server.gui.add_panel()
         panel.dock_below(server.gui.main_panel)
         with panel.add_tab("Plots"):
-            self._plots = _plots(server, scene, replay, measured, predicted)
+            self._plots = _plots(server, scene.robot.joint_names, replay)
         self._playing = self._pressed = False
         self._shown = self._plotted = None
         self._pictures = 0
@@ -277,9 +276,7 @@ class ReplayPage:
             show(box.value)
 
 
-def _ellipsoids(
-    server: Any, scene: Scene, replay: Replay, measured: MotionHistory
-) -> list[Ellipsoid]:
+def _ellipsoids(server: Any, scene: Scene, replay: Replay) -> list[Ellipsoid]:
     """The system's inertia as ellipsoids, by CAD and as identified, with 95 % ends.
 
     There are none of a robot on a table, of which only one moment shows.
@@ -290,11 +287,11 @@ def _ellipsoids(
     if replay.predicted and replay.model:
         models.append(("/inertia/identified", replay.model, IDENTIFIED))
     drawn = [
-        Ellipsoid(server, name, inertia_ellipsoids(model, measured), colour)
+        Ellipsoid(server, name, inertia_ellipsoids(model, replay.measured), colour)
         for name, model, colour in models
     ]
     if replay.model and replay.root is not None:
-        ends = inertia_intervals(replay.model, replay.root, measured)
+        ends = inertia_intervals(replay.model, replay.root, replay.measured)
         for name, end in zip(("low", "high"), ends, strict=True):
             name = f"/inertia/{name}"
             drawn.append(Ellipsoid(server, name, end, IDENTIFIED, wireframe=True))
@@ -307,13 +304,8 @@ def slow_motion(motion: MotionHistory) -> float:
     return 10.0 ** max(0, np.ceil(np.log10(max(fastest / FASTEST_TURN, 1.0))))
 
 
-def _plots(
-    server: Any,
-    scene: Scene,
-    replay: Replay,
-    measured: MotionHistory,
-    predicted: MotionHistory | None,
-) -> list[Plot]:
+def _plots(server: Any, joints: Sequence[str], replay: Replay) -> list[Plot]:
+    measured, predicted = replay.measured, replay.predicted
     t, xyz = measured.t, ("x", "y", "z")
     dashed = predicted and predicted.w
     plots = [Plot(server, "Base rate, rad/s", t, measured.w, xyz, dashed)]
@@ -321,7 +313,6 @@ def _plots(
         dashed = predicted and predicted.v_S
         title = "Velocity of S, m/s"
         plots.append(Plot(server, title, t, measured.v_S, xyz, dashed))
-    joints = scene.robot.joint_names
     if joints:
         plots.append(Plot(server, "Joints, rad or m", t, measured.q, joints))
     if predicted:
@@ -334,15 +325,10 @@ def _plots(
     return plots
 
 
-class Prepared(NamedTuple):
-    """A page that only needs a server."""
-
-    page: Callable[[Any], Page]
-    warnings: tuple[str, ...]
-
-
-def prepared(named: str, recording: Path | None) -> Prepared:
-    """The page for a robot or a RUN.
+def prepared(
+    named: str, recording: Path | None
+) -> tuple[Callable[[Any], Page], tuple[str, ...]]:
+    """The page for a robot or a RUN, which only needs a server, and warnings.
 
     Without a recording the joints have sliders.
 
@@ -356,7 +342,7 @@ def prepared(named: str, recording: Path | None) -> Prepared:
     if recording is None:
         title = name if named == name else f"{name}: {named}"
         page = partial(SlidersPage, scene=scene, model=shown.model(), title=title)
-        return Prepared(page, shown.missing())
+        return page, scene.warnings
     replay = shown.replay(read_recording(recording))
     page = partial(ReplayPage, scene=scene, replay=replay, title=f"{name}: {recording}")
-    return Prepared(page, (*shown.missing(), *replay.warnings))
+    return page, (*scene.warnings, *replay.warnings)

@@ -80,4 +80,4 @@ def test_shown():
     assert alone.tolist() == [True, False, False, False]
     assert V.shape == (4, 2)
     assert np.linalg.matrix_rank(X @ V) == 2
-    assert determined_combinations(np.zeros((0, 3))).alone.tolist() == [False] * 3
+    assert determined_combinations(np.zeros((0, 3)))[1].tolist() == [False] * 3

@@ -38,7 +38,7 @@ def test_friction_is_that_of_the_joints(tmp_path: Path):
     model = mujoco.MjModel.from_xml_string(mjcf(mechanism_of(robot, ())))
     assert model.dof_damping.max() == 0.5
     assert model.dof_frictionloss.max() == 0.25
-    urdf = ET.fromstring(exported_urdf(robot, robot.theta))
+    urdf = ET.fromstring(exported_urdf(robot))
     (dynamics,) = urdf.iterfind("joint[@name='j']/dynamics")
     assert (dynamics.get("damping"), dynamics.get("friction")) == ("0.5", "0.25")
 

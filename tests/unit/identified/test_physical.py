@@ -150,7 +150,7 @@ def servicer(tmp_path: Path) -> Robot:
 def test_the_urdf_has_the_bodies(servicer, tmp_path):
     """Not only their momentum: read again, `theta` is what was to be written."""
     theta = 1.1 * servicer.theta
-    text = exported_urdf(servicer, theta)
+    text = exported_urdf(replace(servicer, theta=theta))
     (tmp_path / "servicer.urdf").write_text(text)
     again = load_robot(tmp_path / "servicer.yaml")
     # Moved to the CM and back: rounding of 100 kg m^2.
@@ -175,7 +175,7 @@ def test_the_base_exists_without_its_rotors(servicer):
     parts = parts_of_base(servicer, wheel_joints(servicer).values())
     assert parts[0, 0] == 3.0
     assert not parts[1:].any()
-    text = exported_urdf(servicer, servicer.theta)
+    text = exported_urdf(servicer)
     links = {link.get("name"): link for link in ET.fromstring(text).iter("link")}
     assert weighed(links["bus"]) == pytest.approx(102.0)
 

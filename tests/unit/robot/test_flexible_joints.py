@@ -1,5 +1,7 @@
 """Joints that give way between motor and link, as robot files write them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -67,7 +69,7 @@ def test_the_exported_urdf_is_the_stiff_one(load_yaml, tmp_path):
     """With the inertias of what was identified, for the robot file that there is."""
     robot = load_yaml(ELBOW)
     theta = 1.1 * robot.theta
-    text = exported_urdf(robot, theta)
+    text = exported_urdf(replace(robot, theta=theta))
     again = load_yaml(ELBOW, text)
     assert (again.joint_names, again.passive) == (robot.joint_names, robot.passive)
     # Moved to the CM and back: rounding of 100 kg m^2.

@@ -28,7 +28,7 @@ def test_bundled_robots(name: str):
     robot = load_robot(name)
     scene = scene_of(robot)
     assert frames(scene) == set(range(len(robot.bodies) + len(robot.wheels)))
-    assert scene.missing == ()
+    assert scene.warnings == ()
 
 
 def test_a_robot_without_pictures():

@@ -301,11 +301,11 @@ def test_meshes_without_their_library(tmp_path: Path, monkeypatch: pytest.Monkey
         '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
         '<visual><geometry><mesh filename="a.stl"/></geometry></visual></link></robot>'
     )
-    (warning,) = prepared(str(urdf), None).warnings
+    _, (warning,) = prepared(str(urdf), None)
     assert warning.startswith("1 meshes are not there")
     (tmp_path / "a.stl").touch()
     monkeypatch.setitem(sys.modules, "trimesh", None)
-    (warning,) = prepared(str(urdf), None).warnings
+    _, (warning,) = prepared(str(urdf), None)
     assert warning == (
         'drawing a mesh needs trimesh: pip install "orbident[view]"; collision shapes '
         "or boxes stand for all meshes"
