@@ -1,8 +1,9 @@
 """A base that turns against one wheel, whose tachometer has noise.
 
-In closed form: with the wheel's speed `u`, a sum of sines, the base turns about the axis
-of both at `w = w_0 - I (u - u_0) / D`, and its angle is the integral of that. Where the speed varies by some ten times its noise, least squares of `w` over the speeds
-that were read finds `D` some hundredths too large (Fuller 1987, section 1.1).
+In closed form: with the wheel's speed `u`, a sum of sines, the base turns at the rate
+`w = w_0 - I (u - u_0) / D`, and its angle is the integral of that. Where the speed
+varies by some ten times its noise, least squares of `w` over the speeds that were read
+finds `D` some hundredths too large (Fuller 1987, section 1.1).
 """
 
 import numpy as np

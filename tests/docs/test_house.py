@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 304,
-    "lines": 65_174,
-    "files of estimation": 52,
-    "lines of estimation": 13_128,
+    "files": 305,
+    "lines": 65_076,
+    "files of estimation": 53,
+    "lines of estimation": 13_331,
     "files with one user": 63,
     "imports below each other": 30,
     "numbers without a reason": 38,

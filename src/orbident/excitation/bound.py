@@ -21,8 +21,10 @@ from orbident.estimation.base_parameters import (
 from orbident.estimation.budget import Budget, budget_of
 from orbident.estimation.linear_fits import InitialMomentum, rest_std
 from orbident.estimation.output_error.beforehand import prior_of, with_hidden_held
-from orbident.estimation.output_error.covariance_parts import covariance_parts
-from orbident.estimation.output_error.estimator import estimate_of
+from orbident.estimation.output_error.covariance_parts import (
+    covariance_parts,
+    estimate_of,
+)
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,

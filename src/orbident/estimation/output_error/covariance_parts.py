@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.agents import NOISE
+from orbident.estimation.base_parameters import BetaEstimate, hidden_of
 from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
 from orbident.estimation.output_error.noise_as_motion import NoiseAsMotion
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
@@ -154,3 +155,24 @@ def _families(
         name = by_place[place]
         families.setdefault(name, ("noise" if name == NOISE else kind, []))[1].append(k)
     return families
+
+
+def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:
+    """The part of a solution that is about `beta`."""
+    n, prior, state = scale.size, solution.prior, solution.state
+    of_beta = slice(OUTSIDE, OUTSIDE + n)
+    # What is known beforehand of all else counts: a momentum gives the scale.
+    std = prior.std.copy()
+    std[of_beta] = np.inf
+    factor = prior._replace(std=std).added(solution.linear.common, state)
+    if state.selected.size:
+        # With the calibrations first, the last rows are what is known of beta alone.
+        columns = np.roll(np.arange(OUTSIDE, len(factor) - 1), state.selected.size)
+        order = np.r_[:OUTSIDE, columns, len(factor) - 1]
+        factor = np.asarray(np.linalg.qr(factor[:, order], mode="r"))
+    C = solution.covariance[solution.linear.local :, solution.linear.local :]
+    return BetaEstimate(
+        values=state.beta,
+        covariance=C[of_beta, of_beta],
+        hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
+    )

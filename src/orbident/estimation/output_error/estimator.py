@@ -17,16 +17,12 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.environment.agents import FREE, NOISE, SLOW
 from orbident.estimation.base_parameters import (
-    BetaEstimate,
     beta_of_fits,
-    hidden_of,
     prior_std,
 )
 from orbident.estimation.estimate import (
     Estimate,
-    Goodness,
     Progress,
-    SensorFit,
     estimate_of_beta,
 )
 from orbident.estimation.levels import ChiSquare
@@ -39,7 +35,10 @@ from orbident.estimation.output_error.beforehand import (
     with_hidden_held,
     with_others,
 )
-from orbident.estimation.output_error.covariance_parts import covariance_parts
+from orbident.estimation.output_error.covariance_parts import (
+    covariance_parts,
+    estimate_of,
+)
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
     surprise_of_known,
@@ -61,7 +60,12 @@ from orbident.estimation.output_error.joint_laws import (
     springs_of,
     what_is_carried_held,
 )
-from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
+from orbident.estimation.output_error.noise_scaling import (
+    Fitted,
+    fit_of_sensor,
+    goodness_of,
+    sensor_signals,
+)
 from orbident.estimation.output_error.problem import (
     Problem,
     linear,
@@ -74,7 +78,7 @@ from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
 from orbident.estimation.output_error.torques import drives_of, joints_driven
 from orbident.estimation.output_error.walking_rates import Density, walked
-from orbident.estimation.output_error.wheel_speeds import with_likely_speeds
+from orbident.estimation.output_error.wheel_speeds import has_read_speeds, likely_speeds
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import MinimalSets
@@ -87,6 +91,12 @@ from orbident.robot.description import Robot
 
 CLOCK_STD = 0.1
 """s: standard deviation beforehand of a clock that was corrected."""
+
+SETTLED = 0.1
+"""Deviations: parameters that change by less have settled."""
+
+ROUNDS = 10
+"""Times that wheels' speeds are put right, at most: each halves the error left."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +144,7 @@ class OutputError:
         # Densities that nobody declared are estimated from all waves.
         equations = equations._replace(shows=search.shows)
         fit = fit_as_expected(replace(search, problem=equations))
-        fit, sensors = with_likely_speeds(problem, sensors, fit)
+        fit, sensors = _with_likely_speeds(problem, sensors, fit)
         made = partial(_estimate, problem, sensors, densities)
 
         def in_world() -> Estimate:
@@ -229,6 +239,44 @@ class OutputError:
         )
 
 
+def _with_likely_speeds(
+    problem: MomentumProblem, sensors: Sensors, fit: WorldFit
+) -> tuple[WorldFit, Sensors]:
+    """The fit to the speeds that gyro and tachometers show together, if any was read.
+
+    Args:
+        problem: of a recording.
+        sensors: what they showed.
+        fit: to the speeds as they were read.
+
+    Returns:
+        The fit, and what sensors would have shown with its speeds.
+    """
+    shown, read = sensors, has_read_speeds(problem.samples, sensors)
+    for _ in range(ROUNDS if read else 0):
+        solution = fit.found.solution
+        if not solution.converged:
+            break
+        own = fit.search.problem
+        samples, shown = likely_speeds(problem, sensors, own, fit.found)
+        there = problem_of(problem.robot, problem.sets, samples, shown, like=own)
+        equations = own._replace(recorded=there.recorded, samples=there.samples)
+        search = replace(
+            fit.search, problem=equations, start=solution.state, at_hand=[]
+        )
+        fit = fit_as_expected(search)
+        if _change(solution, fit.found.solution) < SETTLED:
+            break
+    return fit, shown
+
+
+def _change(before: Solution, after: Solution) -> float:
+    """The largest change of a parameter, in its deviations."""
+    first, changed = after.linear.local + OUTSIDE, after.state.beta - before.state.beta
+    variances = np.diag(after.covariance)[first : first + changed.size]
+    return float(np.max(np.abs(changed) / np.sqrt(variances)))
+
+
 def _elsewhere(problem: Problem, solution: Solution) -> bool:
     """Whether a joint does not swing as declared: then no test means anything."""
     robot = problem.acting.followed.robot
@@ -248,7 +296,7 @@ def _estimate(
     sources = partial(covariance_parts, equations, found.solution)
     found = found._replace(solution=fit.zeros.noise.weakened)
     beta = estimate_of(found.solution, prior_std(robot, sets))
-    by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
+    by_sensor = {name: fit_of_sensor(sensors, found, name) for name in found.parts}
     calibration = _calibration(equations, found.solution)
     disturbances = identified(equations, found.solution, densities, fit.freed)
     return replace(
@@ -257,7 +305,7 @@ def _estimate(
             beta,
             "maximum likelihood",
             {name: fit.rms for name, fit in by_sensor.items()},
-            _goodness(sensors, found),
+            goodness_of(sensors, found),
             disturbed=bool(disturbances) or bool(_driven(robot, equations)),
         ),
         sensors=by_sensor,
@@ -315,27 +363,6 @@ def _allowed(problem: Problem) -> dict[str, float]:
     }
 
 
-def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:
-    """The part of a solution that is about `beta`."""
-    n, prior, state = scale.size, solution.prior, solution.state
-    of_beta = slice(OUTSIDE, OUTSIDE + n)
-    # What is known beforehand of all else counts: a momentum gives the scale.
-    std = prior.std.copy()
-    std[of_beta] = np.inf
-    factor = prior._replace(std=std).added(solution.linear.common, state)
-    if state.selected.size:
-        # With the calibrations first, the last rows are what is known of beta alone.
-        columns = np.roll(np.arange(OUTSIDE, len(factor) - 1), state.selected.size)
-        order = np.r_[:OUTSIDE, columns, len(factor) - 1]
-        factor = np.asarray(np.linalg.qr(factor[:, order], mode="r"))
-    C = solution.covariance[solution.linear.local :, solution.linear.local :]
-    return BetaEstimate(
-        values=state.beta,
-        covariance=C[of_beta, of_beta],
-        hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
-    )
-
-
 def _biases(
     sets: MinimalSets, sensors: Sensors, found: Fitted
 ) -> dict[str, dict[str, float]]:
@@ -367,28 +394,3 @@ def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationF
         )
         for each, value, deviation in zip(problem.declared, values, std, strict=False)
     }
-
-
-def _sensor_fit(sensors: Sensors, found: Fitted, name: str) -> SensorFit:
-    sensed, part = sensors.by_name[name], found.parts[name]
-    noise = sensed.std * found.levels[name]
-    size = part.values.size
-    rms = float(np.sqrt(np.mean(part.values**2))) if size else np.nan
-    return SensorFit(
-        rms=rms * noise,
-        noise=noise,
-        declared=sensed.std if sensed.declared else np.nan,
-        whiteness=part.whiteness,
-        samples=len(part.values),
-    )
-
-
-def _goodness(sensors: Sensors, found: Fitted) -> Goodness:
-    total = left = 0.0
-    for name, part in found.parts.items():
-        declared = sensors.by_name[name].declared
-        level = found.levels[name] if declared else 1.0
-        total += level**2 * float(np.sum(part.values**2))
-        left += part.values.size - part.unknowns
-    declared = any(sensors.by_name[name].declared for name in found.parts)
-    return Goodness(total, left, declared)

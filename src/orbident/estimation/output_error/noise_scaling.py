@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.estimation.estimate import whiteness
+from orbident.estimation.estimate import Goodness, SensorFit, whiteness
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,
@@ -344,3 +344,30 @@ def sensor_signals(
             )
         )
     return tuple(signals)
+
+
+def fit_of_sensor(sensors: Sensors, found: Fitted, name: str) -> SensorFit:
+    """How well a sensor was predicted."""
+    sensed, part = sensors.by_name[name], found.parts[name]
+    noise = sensed.std * found.levels[name]
+    size = part.values.size
+    rms = float(np.sqrt(np.mean(part.values**2))) if size else np.nan
+    return SensorFit(
+        rms=rms * noise,
+        noise=noise,
+        declared=sensed.std if sensed.declared else np.nan,
+        whiteness=part.whiteness,
+        samples=len(part.values),
+    )
+
+
+def goodness_of(sensors: Sensors, found: Fitted) -> Goodness:
+    """How large all residuals are, by the noise that is declared of each sensor."""
+    total = left = 0.0
+    for name, part in found.parts.items():
+        declared = sensors.by_name[name].declared
+        level = found.levels[name] if declared else 1.0
+        total += level**2 * float(np.sum(part.values**2))
+        left += part.values.size - part.unknowns
+    declared = any(sensors.by_name[name].declared for name in found.parts)
+    return Goodness(total, left, declared)

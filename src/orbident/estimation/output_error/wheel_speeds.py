@@ -22,77 +22,38 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.hypotheses import WorldFit, fit_as_expected
-from orbident.estimation.output_error.problem import problem_of
+from orbident.estimation.output_error.noise_scaling import Fitted
+from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors
-from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.model.core_robot import wheels_of
 from orbident.preprocessing.base_motion import rate_noise
 from orbident.preprocessing.samples import Samples
 
 GYRO = "gyro"
 
-SETTLED = 0.1
-"""Deviations: parameters that change by less have settled."""
 
-ROUNDS = 10
-"""Times that speeds are put right, at most: each halves the error that is left."""
+def has_read_speeds(samples: Samples, sensors: Sensors) -> bool:
+    """Whether speeds are used as they were read, with noise, and a gyro is there."""
+    return any(each.white for each in samples.speeds) and GYRO in sensors.by_name
 
 
-def with_likely_speeds(
-    problem: MomentumProblem, sensors: Sensors, fit: WorldFit
-) -> tuple[WorldFit, Sensors]:
-    """The fit to the speeds that gyro and tachometers show together, if any was read.
+def likely_speeds(
+    problem: MomentumProblem, sensors: Sensors, own: Problem, found: Fitted
+) -> tuple[Samples, Sensors]:
+    """The samples with likely speeds, and a gyro that shows as much more.
 
     Args:
         problem: of a recording.
         sensors: what they showed.
-        fit: to the speeds as they were read.
-
-    Returns:
-        The fit, and what sensors would have shown with its speeds.
+        own: its equations, perhaps with likely speeds already.
+        found: a fit to these.
     """
-    robot, sets = problem.robot, problem.sets
-    white = np.array([each.white for each in problem.samples.speeds])
-    if not white.any() or GYRO not in sensors.by_name:
-        return fit, sensors
-    shown = sensors
-    for _ in range(ROUNDS):
-        solution = fit.found.solution
-        if not solution.converged:
-            break
-        samples, shown = _likely(problem, sensors, fit, white)
-        own = fit.search.problem
-        there = problem_of(robot, sets, samples, shown, like=own)
-        equations = own._replace(recorded=there.recorded, samples=there.samples)
-        search = replace(
-            fit.search, problem=equations, start=solution.state, at_hand=[]
-        )
-        fit = fit_as_expected(search)
-        if _change(solution, fit.found.solution) < SETTLED:
-            break
-    return fit, shown
-
-
-def _change(before: Solution, after: Solution) -> float:
-    """The largest change of a parameter, in its deviations."""
-    first, changed = after.linear.local + OUTSIDE, after.state.beta - before.state.beta
-    variances = np.diag(after.covariance)[first : first + changed.size]
-    return float(np.max(np.abs(changed) / np.sqrt(variances)))
-
-
-def _likely(
-    problem: MomentumProblem,
-    sensors: Sensors,
-    fit: WorldFit,
-    white: Float[np.ndarray, " wheels"],
-) -> tuple[Samples, Sensors]:
-    """The samples with likely speeds, and a gyro that shows as much more."""
-    robot, samples, own = problem.robot, problem.samples, fit.search.problem
+    robot, samples = problem.robot, problem.samples
+    white = np.array([each.white for each in samples.speeds])
     t, gyro = own.t, sensors.by_name[GYRO]
-    left = own.samples[GYRO] - np.column_stack(fit.found.predicted(own, GYRO))
+    left = own.samples[GYRO] - np.column_stack(found.predicted(own, GYRO))
     r = np.where(np.isfinite(left) & (own.weights[GYRO] > 0), left, 0.0)
-    J = _turned_by_speeds(problem, fit.found.solution.state.beta, t)
+    J = _turned_by_speeds(problem, found.solution.state.beta, t)
     alone = gyro.std**2 - rate_noise(robot, samples.speeds) ** 2
     JS = J * white**2
     covariance = JS @ np.swapaxes(J, 1, 2)

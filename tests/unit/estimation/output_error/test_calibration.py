@@ -20,7 +20,7 @@ from small_problems import (
 
 from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.output_error.calibration import calibrations_of
-from orbident.estimation.output_error.estimator import estimate_of
+from orbident.estimation.output_error.covariance_parts import estimate_of
 from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.solver import solved
 from orbident.estimation.solution import OUTSIDE, Solution
