@@ -241,11 +241,13 @@ def fuse_attitude(
             f"{source}: attitude has no samples while the gyro has; give both"
         )
     found = _fused(t[inside], w[inside], fixes[inside], fixed[inside], gyro, std)
+    # Sensors without noise leave rounding, of either sign.
+    every = with_nan_outside(np.sqrt(np.maximum(found.variance, 0.0)), inside, t.size)
     return Fused(
         x_WB=with_nan_outside(found.x_WB, inside, t.size),
-        std=with_nan_outside(np.sqrt(found.variance[:, :3]), inside, t.size),
+        std=every[:, :3],
         bias=with_nan_outside(found.bias, inside, t.size),
-        bias_std=with_nan_outside(np.sqrt(found.variance[:, 3:]), inside, t.size),
+        bias_std=every[:, 3:],
     )
 
 
