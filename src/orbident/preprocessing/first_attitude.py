@@ -57,7 +57,7 @@ def with_first_attitude(
     for _ in range(ROUNDS):
         before = first
         shown, predicted = np.vstack([v, none]), np.vstack([W @ phi, none])
-        first, _ = Rotation.align_vectors(shown, predicted)
+        first = Rotation.align_vectors(shown, predicted)[0]
         left = first.inv().apply(v) - W @ phi
         phi = phi + np.linalg.lstsq(W.reshape(-1, phi.size), left.ravel())[0]
         if (first * before.inv()).magnitude() < SETTLED:
