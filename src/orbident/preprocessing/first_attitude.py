@@ -45,6 +45,8 @@ def with_first_attitude(
     """
     every = np.column_stack([*q, *qd, *w, *x_WB, *v_S])
     rows = np.flatnonzero(np.isfinite(every).all(axis=1))
+    if not rows.size:
+        return x_WB
     rows = rows[:: max(rows.size // ROWS, 1)]
     ends = np.cumsum([len(q), len(qd), len(w), len(x_WB)])
     q_, qd_, w_, x_, v = np.split(every[rows], ends, axis=1)
@@ -52,8 +54,11 @@ def with_first_attitude(
     _, W = sets.regressors(*map(np.ascontiguousarray, (q_, qd_, w_)))
     W = Rotation.from_quat(x_).as_matrix() @ W
     W, v = W - W.mean(axis=0), v - v.mean(axis=0)
+    size = np.linalg.norm(v)
+    if not 0 < size < np.inf:
+        return x_WB
     phi, first = sets.phi(robot.theta), Rotation.identity()
-    none = UNTURNED * np.linalg.norm(v) * np.eye(3)
+    none = UNTURNED * size * np.eye(3)
     for _ in range(ROUNDS):
         before = first
         shown, predicted = np.vstack([v, none]), np.vstack([W @ phi, none])
