@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 305,
-    "lines": 65_076,
+    "lines": 65_083,
     "files of estimation": 53,
     "lines of estimation": 13_331,
     "files with one user": 63,
