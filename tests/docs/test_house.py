@@ -11,12 +11,12 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 305,
-    "lines": 65_083,
-    "files of estimation": 53,
-    "lines of estimation": 13_331,
+    "files": 306,
+    "lines": 65_100,
+    "files of estimation": 54,
+    "lines of estimation": 13_348,
     "files with one user": 63,
-    "imports below each other": 30,
+    "imports below each other": 31,
     "numbers without a reason": 38,
 }
 

@@ -17,7 +17,7 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.calibration import NOTHING_FREE
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.output_error.least_cost import FEW_STEPS
 from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.residual_checks import NOISY
 from orbident.recordings.recording import Recording

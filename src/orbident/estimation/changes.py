@@ -22,7 +22,7 @@ from orbident.estimation.levels import ChiSquare, Rule, chi_square, limit
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.output_error.least_cost import FEW_STEPS
 from orbident.estimation.residual_checks import residual_checks
 from orbident.estimation.triangular import fold
 from orbident.model.core_robot import wheels_of

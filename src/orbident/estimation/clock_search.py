@@ -22,7 +22,8 @@ from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS, FURTHER
+from orbident.estimation.output_error.hypotheses import FURTHER
+from orbident.estimation.output_error.least_cost import FEW_STEPS
 from orbident.estimation.residual_checks import leaves_nothing
 from orbident.preprocessing.delays import EXPLAINED, LEAST, LONGEST, SURE, Delay
 

@@ -24,7 +24,8 @@ from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS, TRIED
+from orbident.estimation.output_error.hypotheses import TRIED
+from orbident.estimation.output_error.least_cost import FEW_STEPS
 from orbident.estimation.solve import in_whole, solved_by
 from orbident.model.core_robot import wheels_of
 from orbident.preprocessing.leaps import jumps_of

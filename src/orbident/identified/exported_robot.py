@@ -231,7 +231,7 @@ class Mechanism(NamedTuple):
     """
 
     robot: Robot
-    """The same with its wheels counted in the base; declared rotors are apart."""
+    """The identified robot: wheels are counted in the base, and rotors are apart."""
     bodies: tuple[str, ...]
     joints: tuple[Joint, ...]
     theta: Float[np.ndarray, "bodies 10"]

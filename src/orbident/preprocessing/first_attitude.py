@@ -21,7 +21,7 @@ ROWS = 500
 """So many rows, evenly spaced, show three angles as well as all do."""
 
 ROUNDS = 100
-"""At most: a dozen are usual."""
+"""Rounds that are made at most: a dozen are usual."""
 
 SETTLED = 1e-6
 """rad: an attitude that changes by less from round to round has settled."""

@@ -11,7 +11,7 @@ from orbident.diagnosis.causes import LOST, _tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error import hypotheses
+from orbident.estimation.output_error import least_cost
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
@@ -66,7 +66,7 @@ def test_nonsense_does_not_ask_what_else_acts(monkeypatch, tested: bool, expecte
         searches += 1
         return solved(*given, **named)
 
-    solved = hypotheses.solved
-    monkeypatch.setattr(hypotheses, "solved", counted)
+    solved = least_cost.solved
+    monkeypatch.setattr(least_cost, "solved", counted)
     OutputError(steps=12, tested=tested).estimate(part, lambda _: None)
     assert searches == expected

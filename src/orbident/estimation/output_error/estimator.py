@@ -47,8 +47,6 @@ from orbident.estimation.output_error.disturbance_sizes import (
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import (
-    FEW_STEPS,
-    Search,
     WorldFit,
     fit_as_expected,
     fit_in_world,
@@ -60,6 +58,7 @@ from orbident.estimation.output_error.joint_laws import (
     springs_of,
     what_is_carried_held,
 )
+from orbident.estimation.output_error.least_cost import FEW_STEPS, Search
 from orbident.estimation.output_error.noise_scaling import (
     Fitted,
     fit_of_sensor,

@@ -174,7 +174,7 @@ class Target:
 
     name: str
     unit: Unit
-    """Of each of its numbers."""
+    """The unit of each of the numbers that the target holds."""
     columns: tuple[str, ...]
     width: int
     """Numbers that it is made of."""
