@@ -6,7 +6,6 @@ side by side in two processes, threads that wait for one another take thrice the
 
 import os
 
-import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
@@ -20,14 +19,3 @@ threadpool_limits(limits=1, user_api="blas")
 # A deadline would measure the machine; random examples would depend on the clock.
 settings.register_profile("fixed", derandomize=True, deadline=None, database=None)
 settings.load_profile("fixed")
-
-# s of CPU: half as much again as users wait. Here annotations of all calls are checked,
-# beside another process.
-SEARCH = {"QUICK": 11.0, "ANSWER": 15.0, "LEAST": 9.0}
-
-
-@pytest.fixture(autouse=True)
-def _time_for_causes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Which cause is found does not depend on the machine."""
-    for name, seconds in SEARCH.items():
-        monkeypatch.setattr(f"orbident.diagnosis.causes.{name}", seconds)

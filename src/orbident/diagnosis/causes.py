@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from time import process_time
 
 import numpy as np
 
 from orbident.choices import CauseSearch
+from orbident.diagnosis.effort import Effort, GivenUpError, limited_to
 from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import smoothed
 from orbident.diagnosis.frames import missing_wheel, point_of_a_link
@@ -28,13 +28,11 @@ from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import (
-    OutOfTimeError,
     Rival,
     Trial,
     amended_trial,
     best_trial,
     chi_square_left,
-    given_up_at,
     is_as_noise,
     rank,
     sure_trial,
@@ -66,15 +64,18 @@ LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
-QUICK = 7.0
-"""s of CPU, with those of the fit before it, after which a quick search begins no
-further trial of a cause."""
+ANSWER = 3.5e5
+"""Samples that a fit and a quick search go through together, each whenever it is: some
+ten seconds of CPU. Then it gives up what it is at: an event takes ten fits."""
 
-ANSWER = 9.5
-"""s of CPU, too, after which it gives up what it is at: an event takes ten fits."""
+BEGUN = 8e4
+"""With fewer of these left, no further trial of a cause begins."""
 
-LEAST = 4.5
-"""s of CPU that a quick search has in any case, the last `ANSWER - QUICK` for that."""
+LEAST = 2e5
+"""So many a quick search has in any case."""
+
+FIT = 3
+"""How often a step of the fit goes through them: it is asked what acts, too."""
 
 
 @one_blas_thread
@@ -88,12 +89,13 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
     said = {one.name for one in solved.hindered} & {"cause", "motion", "velocity of S"}
     if search == "none" or said:
         return ()
-    left = max(ANSWER - solved.cpu_s, LEAST) if search == "quick" else np.inf
-    end, found = process_time() + left, list[Check]()
+    done = FIT * solved.steps * solved.problem.samples.t.size
+    found = list[Check]()
+    effort = Effort(max(ANSWER - done, LEAST) if search == "quick" else np.inf)
     try:
-        with given_up_at(end):
-            found.extend(_causes(solved, end - (ANSWER - QUICK)))
-    except OutOfTimeError:
+        with limited_to(effort):
+            found.extend(_causes(solved, effort))
+    except GivenUpError:
         if not found:
             # Whether something rings needs no further fit.
             ring = _ring(solved.problem, solved.shown)
@@ -101,7 +103,7 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
     return tuple(found)
 
 
-def _causes(solved: Solved, end: float) -> Iterator[Check]:
+def _causes(solved: Solved, effort: Effort) -> Iterator[Check]:
     problem, shown = solved.problem, solved.shown
     plain = next(_seen_by_themselves(problem), None)
     if plain is not None:
@@ -124,7 +126,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     wrong, *_ = conventions = tried_conventions(problem)
     if usual:
         # That parameters are of a likelier sign is not enough where it can be tried.
-        yield from _by_trials(solved, usual, conventions, jumped, end)
+        yield from _by_trials(solved, usual, conventions, jumped, effort)
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
@@ -176,7 +178,7 @@ def _by_trials(
     usual: Estimate,
     conventions: list[CorrectedConvention],
     jumped: list[Trial],
-    end: float,
+    effort: Effort,
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
     shown, now = solved.shown or usual, misfit(usual)
@@ -188,7 +190,7 @@ def _by_trials(
         now = before
         solved = solved._replace(problem=corrected.recorded)
     compared = solved._replace(shown=usual)
-    trials = [*jumped, *_tried(compared, conventions, before, end)]
+    trials = [*jumped, *_tried(compared, conventions, before, effort)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
     best = best_trial(trials, before)
@@ -207,7 +209,7 @@ def _by_trials(
         return
     # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
     problem = corrected.recorded if corrected else solved.problem
-    yield from _unexplained(problem, shown, best, before, end)
+    yield from _unexplained(problem, shown, best, before, effort)
 
 
 def _ring(problem: MomentumProblem, shown: Estimate | None) -> Check | None:
@@ -222,16 +224,16 @@ def _unexplained(
     shown: Estimate,
     best: Trial | None,
     before: float,
-    end: float,
+    effort: Effort,
 ) -> Iterator[Check]:
     """What may have happened, or explains most, where no trial is accepted."""
     falls = before - best.misfit if best else -np.inf
     # Then no event is left to explain, though the residuals may not be white.
     shrunk = best is not None and is_as_noise(best.estimate) and not is_as_noise(shown)
-    ended, happened = process_time() > end, None
+    ended, happened = effort.left < BEGUN, None
     try:
         happened = None if shrunk else event(problem)
-    except OutOfTimeError:
+    except GivenUpError:
         ended = True
     more = SEARCH_ON if ended else ""
     likeliest = best.cause if best is not None and falls > EXPLAINS else ""
@@ -301,18 +303,18 @@ def _tried(
     solved: Solved,
     conventions: list[CorrectedConvention],
     before: float,
-    end: float,
+    effort: Effort,
 ) -> list[Trial]:
     """Where some of these explain all, the rest need not be tried.
 
-    That goes on until the CPU's time is at its end.
+    That goes on while enough may be done.
     """
     trials, untried = list[Trial](), list[Scored]()
-    with suppress(OutOfTimeError):
+    with suppress(GivenUpError):
         for some in _stages(solved, conventions, untried, before):
             for one in some:
                 trials.append(sure_trial(one, before))
-                if sum(each.lost for each in trials) == LOST or process_time() > end:
+                if sum(each.lost for each in trials) == LOST or effort.left < BEGUN:
                     return [_beside(one, untried, before) for one in trials]
             if any(one.accepted for one in trials):
                 break

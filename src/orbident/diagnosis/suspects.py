@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.trial import NONE, Rival, Trial, in_time, trial
+from orbident.diagnosis.effort import spend
+from orbident.diagnosis.trial import NONE, Rival, Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -34,6 +35,9 @@ ROUNDS = 4
 
 SETTLED = 0.3
 """Deviations: a change of the guess that is less brings nothing."""
+
+CHANGED = 2.0
+"""How often the samples of a changed recording are gone through."""
 
 Numbers = Float[np.ndarray, " numbers"]
 Places = Float[np.ndarray, " selected"]
@@ -122,7 +126,7 @@ class Scores:
 
     def _equations(self, changed: MomentumProblem) -> Problem:
         """Those of a change so small that noise, and what acts, stay the same."""
-        in_time()
+        spend(changed, CHANGED)
         robot, recording = changed.robot, changed.recording
         late = delays(robot, recording, changed.late)
         heard = without_followers(recording, changed.samples.led)

@@ -1,13 +1,12 @@
 """Recordings with one thing put right: are they accepted, and which is the best?"""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from contextvars import ContextVar
-from time import process_time
+from collections.abc import Mapping
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
+from orbident.diagnosis.effort import GivenUpError, spend
 from orbident.errors import InputError
 from orbident.estimation.checks import only_vague, worst
 from orbident.estimation.clock_search import WORTH, misfit
@@ -27,38 +26,8 @@ NEARLY = 0.9
 """Part of what explains a recording: suspects are put right to first order, so that the
 true one may explain a little less than another one that is accepted."""
 
-_end = ContextVar("end", default=np.inf)
-
-
-class OutOfTimeError(Exception):
-    """The time for a search is over in the middle of a trial."""
-
-
-@contextmanager
-def given_up_at(end: float) -> Iterator[None]:
-    """Give up a trial that is not done by then.
-
-    Args:
-        end: CPU time of the process, s.
-
-    Raises:
-        OutOfTimeError: it was given up.
-    """
-    token = _end.set(end)
-    try:
-        yield
-    finally:
-        _end.reset(token)
-
-
-def in_time(_: float = 0.0) -> None:
-    """Called at every step of a search.
-
-    Raises:
-        OutOfTimeError: its time is over.
-    """
-    if process_time() > _end.get():
-        raise OutOfTimeError
+DERIVED = 3.0
+"""How often the samples are gone through where a trial begins, and is judged."""
 
 
 class Rival(NamedTuple):
@@ -124,13 +93,14 @@ def trial(
     try:
         if obstacles(problem, bool(driven)):
             return Trial(cause, False, np.inf)
-        shown = fit.estimate(problem, in_time)
+        spend(problem, DERIVED)
+        shown = fit.estimate(problem, lambda _: spend(problem))
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
     if shown.tested and (found.accepted or found.fits or likely):
-        # With no time left to ask that, the cause is judged without it.
-        with suppress(OutOfTimeError):
+        # Where no effort is left to ask that, the cause is judged without it.
+        with suppress(GivenUpError):
             return _judged(cause, problem, shown.tested())
     return found
 

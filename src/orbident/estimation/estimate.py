@@ -279,7 +279,7 @@ class Solved(NamedTuple):
     off: float = 0.0
     """The largest difference of these two in the estimate's own deviations, which
     include it from then on."""
-    cpu_s: float = 0.0
-    """CPU seconds that all this took."""
+    steps: int = 0
+    """How often progress was told on the way: as its searches took steps."""
     label: str = ""
     """What the recording is called, where it is one of several."""

@@ -106,7 +106,7 @@ def identify(
             samples, the nominal mass matrix is singular, the burn cannot be weighed,
             or an argument is not one of those named.
     """
-    started, began = time.perf_counter(), time.process_time()
+    started, steps = time.perf_counter(), 0
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
     estimator = estimator_of(method)
     if not isinstance(estimator, OutputError):
@@ -116,14 +116,19 @@ def identify(
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
 
+    def counted(done: float) -> None:
+        nonlocal steps
+        steps += 1
+        progress(done)
+
     def judged(solved: Solved) -> Result:
         elapsed = time.perf_counter() - started
-        solved = solved._replace(cpu_s=time.process_time() - began)
+        solved = solved._replace(steps=steps)
         return _judged(solved, estimator, weighing, elapsed)
 
     if len(recordings) == 1:
-        solved = solve(robot, recordings[0], initial_momentum, estimator, progress)
-        return judged(with_push(solved, estimator, progress))
+        solved = solve(robot, recordings[0], initial_momentum, estimator, counted)
+        return judged(with_push(solved, estimator, counted))
     if not isinstance(estimator, OutputError):
         raise InputError(
             f"several recordings are identified as one by maximum likelihood only, not "
@@ -137,7 +142,7 @@ def identify(
     labels = labels_of(held)
     alone = list[Solved]()
     for k, each in enumerate(held):
-        part = _part(progress, k, len(held))
+        part = _part(counted, k, len(held))
         one = solve(robot, each, initial_momentum, estimator, part)
         alone.append(with_push(one, estimator, part))
     # The last one's result is that of all, and shows what any of them shows.
@@ -146,7 +151,7 @@ def identify(
     results = [judged(each) for each in alone]
     agree = agreement(alone, labels)
     if agree.passed and all(one.status == "ok" for one in results):
-        again = solved_together(alone, estimator, lambda done: progress((1 + done) / 2))
+        again = solved_together(alone, estimator, lambda done: counted((1 + done) / 2))
         results = [judged(each) for each in again]
     return as_one(results, labels, agree)
 

@@ -1,6 +1,5 @@
-"""A search for causes ends in time, in the middle of a trial too, and says so."""
+"""A search for causes ends, in the middle of a trial too, and says so."""
 
-from time import process_time
 from typing import NoReturn
 
 import pytest
@@ -8,8 +7,9 @@ from cause_problems import fitted, problem_with
 
 from orbident.diagnosis import causes as module
 from orbident.diagnosis.causes import SEARCH_ON, causes
+from orbident.diagnosis.effort import Effort, GivenUpError, limited_to
 from orbident.diagnosis.rings import Ring
-from orbident.diagnosis.trial import OutOfTimeError, given_up_at, trial
+from orbident.diagnosis.trial import trial
 from orbident.estimation.estimate import Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 
@@ -21,11 +21,11 @@ def problem() -> MomentumProblem:
 
 
 def too_long(*_: object) -> NoReturn:
-    raise OutOfTimeError
+    raise GivenUpError
 
 
 def test_a_trial_is_given_up(problem: MomentumProblem):
-    with given_up_at(process_time()), pytest.raises(OutOfTimeError):
+    with limited_to(Effort(1.0)), pytest.raises(GivenUpError):
         trial("", problem)
     assert trial("", problem).estimate is not None
 
@@ -44,7 +44,7 @@ def test_an_answer_says_that_the_search_ended(
 
 
 @pytest.mark.parametrize("stage", ["jumps", "smoothed"])
-def test_what_rings_is_named_when_the_time_is_over(
+def test_what_rings_is_named_when_the_search_is_over(
     problem: MomentumProblem, stage: str, monkeypatch: pytest.MonkeyPatch
 ):
     """It needs no fit."""
