@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.choices import CauseSearch
-from orbident.diagnosis.effort import Effort, GivenUpError, limited_to
+from orbident.diagnosis.allowance import Allowance, GivenUpError, limited_to
 from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import smoothed
 from orbident.diagnosis.frames import missing_wheel, point_of_a_link
@@ -91,10 +91,10 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
         return ()
     done = FIT * solved.steps * solved.problem.samples.t.size
     found = list[Check]()
-    effort = Effort(max(ANSWER - done, LEAST) if search == "quick" else np.inf)
+    allowance = Allowance(max(ANSWER - done, LEAST) if search == "quick" else np.inf)
     try:
-        with limited_to(effort):
-            found.extend(_causes(solved, effort))
+        with limited_to(allowance):
+            found.extend(_causes(solved, allowance))
     except GivenUpError:
         if not found:
             # Whether something rings needs no further fit.
@@ -103,7 +103,7 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
     return tuple(found)
 
 
-def _causes(solved: Solved, effort: Effort) -> Iterator[Check]:
+def _causes(solved: Solved, allowance: Allowance) -> Iterator[Check]:
     problem, shown = solved.problem, solved.shown
     plain = next(_seen_by_themselves(problem), None)
     if plain is not None:
@@ -126,7 +126,7 @@ def _causes(solved: Solved, effort: Effort) -> Iterator[Check]:
     wrong, *_ = conventions = tried_conventions(problem)
     if usual:
         # That parameters are of a likelier sign is not enough where it can be tried.
-        yield from _by_trials(solved, usual, conventions, jumped, effort)
+        yield from _by_trials(solved, usual, conventions, jumped, allowance)
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
@@ -178,7 +178,7 @@ def _by_trials(
     usual: Estimate,
     conventions: list[CorrectedConvention],
     jumped: list[Trial],
-    effort: Effort,
+    allowance: Allowance,
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
     shown, now = solved.shown or usual, misfit(usual)
@@ -190,7 +190,7 @@ def _by_trials(
         now = before
         solved = solved._replace(problem=corrected.recorded)
     compared = solved._replace(shown=usual)
-    trials = [*jumped, *_tried(compared, conventions, before, effort)]
+    trials = [*jumped, *_tried(compared, conventions, before, allowance)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
     best = best_trial(trials, before)
@@ -209,7 +209,7 @@ def _by_trials(
         return
     # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
     problem = corrected.recorded if corrected else solved.problem
-    yield from _unexplained(problem, shown, best, before, effort)
+    yield from _unexplained(problem, shown, best, before, allowance)
 
 
 def _ring(problem: MomentumProblem, shown: Estimate | None) -> Check | None:
@@ -224,13 +224,13 @@ def _unexplained(
     shown: Estimate,
     best: Trial | None,
     before: float,
-    effort: Effort,
+    allowance: Allowance,
 ) -> Iterator[Check]:
     """What may have happened, or explains most, where no trial is accepted."""
     falls = before - best.misfit if best else -np.inf
     # Then no event is left to explain, though the residuals may not be white.
     shrunk = best is not None and is_as_noise(best.estimate) and not is_as_noise(shown)
-    ended, happened = effort.left < BEGUN, None
+    ended, happened = allowance.left < BEGUN, None
     try:
         happened = None if shrunk else event(problem)
     except GivenUpError:
@@ -303,7 +303,7 @@ def _tried(
     solved: Solved,
     conventions: list[CorrectedConvention],
     before: float,
-    effort: Effort,
+    allowance: Allowance,
 ) -> list[Trial]:
     """Where some of these explain all, the rest need not be tried.
 
@@ -314,7 +314,7 @@ def _tried(
         for some in _stages(solved, conventions, untried, before):
             for one in some:
                 trials.append(sure_trial(one, before))
-                if sum(each.lost for each in trials) == LOST or effort.left < BEGUN:
+                if sum(each.lost for each in trials) == LOST or allowance.left < BEGUN:
                     return [_beside(one, untried, before) for one in trials]
             if any(one.accepted for one in trials):
                 break

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.effort import spend
+from orbident.diagnosis.allowance import spend
 from orbident.diagnosis.trial import NONE, Rival, Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH

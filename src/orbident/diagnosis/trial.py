@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbident.diagnosis.effort import GivenUpError, spend
+from orbident.diagnosis.allowance import GivenUpError, spend
 from orbident.errors import InputError
 from orbident.estimation.checks import only_vague, worst
 from orbident.estimation.clock_search import WORTH, misfit
@@ -99,7 +99,7 @@ def trial(
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
     if shown.tested and (found.accepted or found.fits or likely):
-        # Where no effort is left to ask that, the cause is judged without it.
+        # Where no allowance is left to ask that, the cause is judged without it.
         with suppress(GivenUpError):
             return _judged(cause, problem, shown.tested())
     return found

@@ -132,7 +132,7 @@ class MomentumProblem:
 
     @property
     def _speed_noise(self) -> float:
-        """Std of the wheels' momentum in a row by declared noise of tachometers, N m s.
+        """Std of the wheels' momentum in a row by the noise of tachometers, N m s.
 
         Smoothing leaves all of it in what is as slow as arms, which parameters explain.
         """

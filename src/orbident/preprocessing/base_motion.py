@@ -327,13 +327,16 @@ def declared_rate_noise(robot: Robot) -> float:
 def least_speed_noise(robot: Robot) -> float:
     """The least density of wheels' speed noise that the base shows, rad/s/sqrt(Hz).
 
-    It is zero where attitudes may show any, and infinite where none turns the base.
+    It is zero where attitudes may show any, and infinite where none turns the base. On
+    a table it is infinite, too, where the gyro shows the noise of every row: then it
+    says what the speeds are, and waves take several times as long.
     """
-    wheels = robot.sensors.wheels
-    # In the plane noise of a wheel that turns evenly is all that changes its momentum,
-    # and taken for its speed it would seem to tell how large the robot is.
-    if wheels is None or not wheels.tachometer or robot.motion == "planar":
+    wheels, rows = robot.sensors.wheels, robot.sensors.rows_per_second
+    if wheels is None or not wheels.tachometer:
         return 0.0
+    if robot.motion == "planar":
+        shown = declared_rate_noise(robot)
+        return np.inf if shown > robot.sensors.of("gyro").white_std(1 / rows) else 0.0
     gyro, attitude = robot.sensors.of("gyro"), robot.sensors.of("attitude")
     rate = attitude.rate or robot.sensors.rate
     walked = gyro.white_std() / np.sqrt(rate) if rate else np.inf

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.environment.motion import waves_of_noise
+from orbident.gaussian import white_std_of
 from orbident.model.kinematics import inertia_at
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times, fill
@@ -39,6 +40,15 @@ hold all that it leaves: of wave `m` it leaves `1 / (1 + (m pi reach / T)^8)`, w
 a hundredth there."""
 
 
+ORDER = 8
+"""Of the differences that show the noise of a rate: they hold hardly any motion. Those
+of a sine at an eighth of the rate of rows are a thousandth of it."""
+
+ROUNDED = 1e-6
+"""Part of what a rate varies by, below which it has no noise: float32, and what these
+differences leave of a motion at a twentieth of the rate of rows."""
+
+
 class RateNoise(NamedTuple):
     """Noise of a tachometer in a rate that it alone tells."""
 
@@ -65,6 +75,19 @@ class RateNoise(NamedTuple):
         waves = waves_of_noise(t.size) and density >= shows
         return cls(density if waves else 0.0, std)
 
+    @classmethod
+    def undeclared(cls, column: Float[np.ndarray, " samples"]) -> "RateNoise":
+        """Noise of a rate that is used as it was read, as its column shows it.
+
+        Args:
+            column: rad/s; NaN where there is no sample.
+        """
+        rate = column[np.isfinite(column)]
+        if rate.size <= ORDER:
+            return cls(0.0, 0.0)
+        std = float(white_std_of(np.diff(rate, n=ORDER), ORDER))
+        return cls(0.0, std if std > ROUNDED * float(rate.std()) else 0.0)
+
 
 NO_NOISE = RateNoise(0.0, 0.0)
 
@@ -84,7 +107,8 @@ class Histories(NamedTuple):
     """The largest deviations of a smoothed position, rad or m, and of its rate, per
     second: those in the middle of a gap. Zero where they are not known."""
     noise: tuple[RateNoise, ...]
-    """None where an angle is recorded, or where none is declared."""
+    """None where an angle is recorded. Where none is declared it is what the column
+    shows, of a rate that is used as it was read."""
 
 
 def histories(
@@ -146,8 +170,12 @@ def histories(
                     return _read_alone(
                         recording, measured[name], tachometer, late, settings, shows
                     )
-                qd = _at(recording, measured[name], late)
-                return _History(q, qd, np.nan, (0.0, 0.0), Origin.MEASURED)
+                qd, noise = _at(recording, measured[name], late), NO_NOISE
+                if not q:
+                    column = recording.columns[measured[name]]
+                    shown = partial(RateNoise.undeclared, column)
+                    noise = settings.once(f"noise of {measured[name]}", shown)
+                return _History(q, qd, np.nan, (0.0, 0.0), Origin.MEASURED, noise)
             share = settings.once(_share(at[name]), partial(_share_of, angle))
             qd, origin = angle.rate[:, 0], Origin.SMOOTHED_POSITIONS
             if name in both:

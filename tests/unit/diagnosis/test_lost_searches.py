@@ -7,6 +7,7 @@ import pytest
 from cause_problems import clean, fitted, problem_with
 
 from orbident.diagnosis import causes as module
+from orbident.diagnosis.allowance import Allowance
 from orbident.diagnosis.causes import LOST, _tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.estimate import Estimate, Solved
@@ -42,7 +43,7 @@ def test_so_many_trials_without_a_least_cost_are_enough(
 
     for stage in STAGES:
         monkeypatch.setattr(module, stage, trials)
-    _tried(Solved(problem, [], lost, None), [], 0.0, float("inf"))
+    _tried(Solved(problem, [], lost, None), [], 0.0, Allowance())
     assert len(made) == (LOST if fits else 4 * len(STAGES))
 
 

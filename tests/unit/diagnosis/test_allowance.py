@@ -6,8 +6,8 @@ import pytest
 from cause_problems import fitted, problem_with
 
 from orbident.diagnosis import causes as module
+from orbident.diagnosis.allowance import Allowance, GivenUpError, limited_to
 from orbident.diagnosis.causes import SEARCH_ON, causes
-from orbident.diagnosis.effort import Effort, GivenUpError, limited_to
 from orbident.diagnosis.rings import Ring
 from orbident.diagnosis.trial import trial
 from orbident.estimation.estimate import Solved
@@ -25,7 +25,7 @@ def too_long(*_: object) -> NoReturn:
 
 
 def test_a_trial_is_given_up(problem: MomentumProblem):
-    with limited_to(Effort(1.0)), pytest.raises(GivenUpError):
+    with limited_to(Allowance(1.0)), pytest.raises(GivenUpError):
         trial("", problem)
     assert trial("", problem).estimate is not None
 

@@ -18,31 +18,31 @@ class GivenUpError(Exception):
 
 
 @dataclass
-class Effort:
+class Allowance:
     """What a search may still do."""
 
     left: float = np.inf
     """Samples that it may still go through; each counts whenever it is."""
 
 
-_effort = ContextVar[Effort | None]("effort", default=None)
+_allowed = ContextVar[Allowance | None]("allowance", default=None)
 
 
 @contextmanager
-def limited_to(effort: Effort) -> Iterator[None]:
-    """Give up what is tried when the effort is at its end.
+def limited_to(allowance: Allowance) -> Iterator[None]:
+    """Give up what is tried when the allowance is at its end.
 
     Args:
-        effort: is spent.
+        allowance: is spent.
 
     Raises:
         GivenUpError: it was given up.
     """
-    token = _effort.set(effort)
+    token = _allowed.set(allowance)
     try:
         yield
     finally:
-        _effort.reset(token)
+        _allowed.reset(token)
 
 
 def spend(problem: MomentumProblem, times: float = 1.0) -> None:
@@ -55,9 +55,9 @@ def spend(problem: MomentumProblem, times: float = 1.0) -> None:
     Raises:
         GivenUpError: more than may be done.
     """
-    effort = _effort.get()
-    if effort is None:
+    allowance = _allowed.get()
+    if allowance is None:
         return
-    effort.left -= times * problem.samples.t.size
-    if effort.left < 0:
+    allowance.left -= times * problem.samples.t.size
+    if allowance.left < 0:
         raise GivenUpError
