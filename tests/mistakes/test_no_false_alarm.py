@@ -136,6 +136,8 @@ def errors_of_pi(seed: int) -> np.ndarray:
     }
     alone = Recording(known.recording.t, columns, "without positions")
     result = identify(known.robot, alone, initial_momentum="at-rest")
+    # A slow torque, of which Eq. 24 knows nothing, may look like a clock that is.
+    assert "never set together" not in result.refusal()
     pi = minimal_sets(true).pi(true.theta)
     return (result.pi.values - pi) / result.pi.std
 
@@ -151,8 +153,7 @@ def test_all_that_acts_on_a_table_without_positions(seed: int):
 
 @pytest.mark.long
 def test_most_tables_without_positions_are_accepted():
-    """Where momentum alone hardly shows a robot, a search creeps along a valley, or a
-    slow torque looks like a clock that is seconds off."""
+    """Where momentum alone hardly shows a robot, a search creeps along a valley."""
     off = [errors_of_pi(seed) for seed in range(601, 661, 2)]
     accepted = [each for each in off if np.isfinite(each).any()]
     each = np.abs(np.concatenate(accepted))

@@ -127,8 +127,6 @@ def _clock_of(
         return punctual, first
     near = shown.converged and abs(punctual.late) < LONGEST
     start = punctual if near else far_clock(first.problem)
-    if abs(start.late) > LONGEST:
-        return start, first
     # A trial of few steps: where its fit is bad, it is not asked what else acts.
     plain = replace(fit, tested=False, steps=min(fit.steps, FEW_STEPS))
 
@@ -141,6 +139,11 @@ def _clock_of(
         there, shown = plainly(late)
         return Fit(there, shown.tested() if fit.tested and shown.tested else shown)
 
+    if abs(start.late) > LONGEST:
+        # Eq. 24 knows of no torque: a clock is that far off where a fit says so, too.
+        there = plainly(start.late).shown
+        sure = there.converged and misfit(there) < misfit(shown) - WORTH
+        return start if sure else punctual, first
     # Only on the clock that settles it is it asked what else acts: that takes longest.
     settled = _settled(start, plainly)
     found = settled and _settled(settled.clock, in_full, sure=True)
