@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.choices import CauseSearch
-from orbident.diagnosis.allowance import Allowance, GivenUpError, limited_to
 from orbident.diagnosis.events import event
 from orbident.diagnosis.filters import smoothed
 from orbident.diagnosis.frames import missing_wheel, point_of_a_link
@@ -28,12 +27,15 @@ from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import (
+    Allowance,
+    GivenUpError,
     Rival,
     Trial,
     amended_trial,
     best_trial,
     chi_square_left,
     is_as_noise,
+    limited_to,
     rank,
     sure_trial,
 )

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.allowance import spend
-from orbident.diagnosis.trial import NONE, Rival, Trial, trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, spend, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem

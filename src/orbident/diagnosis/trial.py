@@ -1,12 +1,13 @@
 """Recordings with one thing put right: are they accepted, and which is the best?"""
 
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from orbident.diagnosis.allowance import GivenUpError, spend
 from orbident.errors import InputError
 from orbident.estimation.checks import only_vague, worst
 from orbident.estimation.clock_search import WORTH, misfit
@@ -28,6 +29,50 @@ true one may explain a little less than another one that is accepted."""
 
 DERIVED = 3.0
 """How often the samples are gone through where a trial begins, and is judged."""
+
+
+class GivenUpError(Exception):
+    """A search has done as much as it may, in the middle of a trial."""
+
+
+@dataclass
+class Allowance:
+    """What a search may still do: in samples, and not in seconds.
+
+    So the same recording has the same answer on every machine, however busy that is.
+    """
+
+    left: float = np.inf
+    """Samples that it may still go through; each counts whenever it is."""
+
+
+_allowed = ContextVar[Allowance | None]("allowed", default=None)
+
+
+@contextmanager
+def limited_to(allowance: Allowance) -> Iterator[None]:
+    """Give up what is tried when the allowance is spent.
+
+    Raises:
+        GivenUpError: it was given up.
+    """
+    token = _allowed.set(allowance)
+    try:
+        yield
+    finally:
+        _allowed.reset(token)
+
+
+def spend(problem: MomentumProblem, times: float = 1.0) -> None:
+    """Go through all samples of a problem so often.
+
+    Raises:
+        GivenUpError: more than may be done.
+    """
+    if allowance := _allowed.get():
+        allowance.left -= times * problem.samples.t.size
+        if allowance.left < 0:
+            raise GivenUpError
 
 
 class Rival(NamedTuple):
@@ -99,7 +144,7 @@ def trial(
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)
     if shown.tested and (found.accepted or found.fits or likely):
-        # Where no allowance is left to ask that, the cause is judged without it.
+        # Where nothing is left to ask that, the cause is judged without it.
         with suppress(GivenUpError):
             return _judged(cause, problem, shown.tested())
     return found
