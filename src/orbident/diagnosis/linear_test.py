@@ -64,6 +64,10 @@ AS_CAD = 1.5
 """Times: all bodies together are known as well before they are built. What a linear
 equation finds too small, as noise in its columns does, is no size that CAD has."""
 
+LIKE_CAD = 0.9
+"""Cosine between what an equation shows and what CAD says: 0.94 and more where CAD is
+30 % off. Of noise, or of a CM that is elsewhere, a size says nothing."""
+
 
 class CorrectedConvention(NamedTuple):
     """A convention, put right."""
@@ -211,6 +215,8 @@ class _Left(NamedTuple):
     """Over all that there is to explain, of both equations."""
     gains: tuple[float, ...] = ()
     """How many times those of CAD `pi` and `phi` are."""
+    cosines: tuple[float, ...] = ()
+    """Between these and those of CAD."""
 
     @property
     def far(self) -> int:
@@ -219,8 +225,9 @@ class _Left(NamedTuple):
 
     @property
     def as_cad(self) -> bool:
-        """Whether both are of the size that CAD has."""
-        return all(1 / AS_CAD < gain < AS_CAD for gain in self.gains)
+        """Whether both are as CAD has them, of that size."""
+        sized = all(1 / AS_CAD < gain < AS_CAD for gain in self.gains)
+        return sized and all(each > LIKE_CAD for each in self.cosines)
 
     @property
     def misfit(self) -> float:
@@ -250,19 +257,23 @@ def _left(problem: MomentumProblem, fits: Fits) -> _Left:
     by_cad = sets.pi(robot.theta), sets.phi(robot.theta)
     # Without positions the equation of the velocity is empty, and says nothing.
     found = [
-        (_part_left(fit), _gain(fit, nominal))
+        (_part_left(fit), *_gain(fit, nominal))
         for fit, nominal in zip((fits.pi, fits.phi), by_cad, strict=True)
         if fit.explained > 0
     ]
     if not np.isfinite(found).all():
         return _Left(np.inf)
-    return _Left(math.prod(left for left, _ in found), tuple(gain for _, gain in found))
+    left, gains, cosines = zip(*found, strict=True) if found else ((), (), ())
+    return _Left(math.prod(left), gains, cosines)
 
 
-def _gain(found: LinearFit, nominal: Float[np.ndarray, " n"]) -> float:
-    """How many times CAD's values explain most; negative where they are opposite.
+def _gain(found: LinearFit, nominal: Float[np.ndarray, " n"]) -> tuple[float, float]:
+    """How many times CAD's values explain most, and the cosine between the two.
 
-    All other changes are held, so that the motion need not show each of them.
+    Both are negative where they are opposite. All other changes are held, so that the
+    motion need not show each of them.
     """
-    by_cad = found.factor @ nominal
-    return float(by_cad @ found.target) / max(float(by_cad @ by_cad), TINY)
+    by_cad, shown = found.factor @ nominal, found.target
+    size, both = float(np.linalg.norm(by_cad)), float(by_cad @ shown)
+    cosine = both / max(size * float(np.linalg.norm(shown)), TINY)
+    return both / max(size**2, TINY), cosine
