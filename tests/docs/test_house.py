@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 306,
-    "lines": 65_100,
-    "files of estimation": 54,
-    "lines of estimation": 13_348,
+    "files": 307,
+    "lines": 65_186,
+    "files of estimation": 55,
+    "lines of estimation": 13_426,
     "files with one user": 63,
     "imports below each other": 31,
     "numbers without a reason": 38,

@@ -27,19 +27,17 @@ from orbident.diagnosis.recorded_pulses import pulses_put_right, slow_duty
 from orbident.diagnosis.rings import rigid_motion, ring_of
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.trial import (
-    Allowance,
-    GivenUpError,
     Rival,
     Trial,
     amended_trial,
     best_trial,
     chi_square_left,
     is_as_noise,
-    limited_to,
     rank,
     sure_trial,
 )
 from orbident.environment.agents import AGENTS
+from orbident.estimation.allowance import Allowance, GivenUpError, limited_to
 from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
@@ -66,18 +64,15 @@ LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
-ANSWER = 3.5e5
-"""Samples that a fit and a quick search go through together, each whenever it is: some
-ten seconds of CPU. Then it gives up what it is at: an event takes ten fits."""
+ANSWER = 1.6e5
+"""Samples that a fit and a quick search go through together (`allowance.py`): some ten
+seconds of CPU. Then it gives up what it is at: an event takes ten fits."""
 
-BEGUN = 8e4
+BEGUN = 4e4
 """With fewer of these left, no further trial of a cause begins."""
 
-LEAST = 2e5
+LEAST = 8e4
 """So many a quick search has in any case."""
-
-FIT = 3
-"""How often a step of the fit goes through them: it is asked what acts, too."""
 
 
 @one_blas_thread
@@ -91,9 +86,8 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
     said = {one.name for one in solved.hindered} & {"cause", "motion", "velocity of S"}
     if search == "none" or said:
         return ()
-    done = FIT * solved.steps * solved.problem.samples.t.size
-    found = list[Check]()
-    allowance = Allowance(max(ANSWER - done, LEAST) if search == "quick" else np.inf)
+    left = max(ANSWER - solved.work, LEAST) if search == "quick" else np.inf
+    allowance, found = Allowance(left), list[Check]()
     try:
         with limited_to(allowance):
             found.extend(_causes(solved, allowance))

@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.trial import NONE, Rival, Trial, spend, trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, trial
 from orbident.errors import InputError
+from orbident.estimation.allowance import spend
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.problem import (
@@ -34,9 +35,6 @@ ROUNDS = 4
 
 SETTLED = 0.3
 """Deviations: a change of the guess that is less brings nothing."""
-
-CHANGED = 2.0
-"""How often the samples of a changed recording are gone through."""
 
 Numbers = Float[np.ndarray, " numbers"]
 Places = Float[np.ndarray, " selected"]
@@ -125,7 +123,7 @@ class Scores:
 
     def _equations(self, changed: MomentumProblem) -> Problem:
         """Those of a change so small that noise, and what acts, stay the same."""
-        spend(changed, CHANGED)
+        spend(changed.samples.t.size)
         robot, recording = changed.robot, changed.recording
         late = delays(robot, recording, changed.late)
         heard = without_followers(recording, changed.samples.led)

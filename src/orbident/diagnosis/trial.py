@@ -1,14 +1,13 @@
 """Recordings with one thing put right: are they accepted, and which is the best?"""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from contextvars import ContextVar
-from dataclasses import dataclass
+from collections.abc import Mapping
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.allowance import GivenUpError, spend
 from orbident.estimation.checks import only_vague, worst
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.criteria import judge
@@ -26,53 +25,6 @@ from orbident.robot.description import Robot
 NEARLY = 0.9
 """Part of what explains a recording: suspects are put right to first order, so that the
 true one may explain a little less than another one that is accepted."""
-
-DERIVED = 3.0
-"""How often the samples are gone through where a trial begins, and is judged."""
-
-
-class GivenUpError(Exception):
-    """A search has done as much as it may, in the middle of a trial."""
-
-
-@dataclass
-class Allowance:
-    """What a search may still do: in samples, and not in seconds.
-
-    So the same recording has the same answer on every machine, however busy that is.
-    """
-
-    left: float = np.inf
-    """Samples that it may still go through; each counts whenever it is."""
-
-
-_allowed = ContextVar[Allowance | None]("allowed", default=None)
-
-
-@contextmanager
-def limited_to(allowance: Allowance) -> Iterator[None]:
-    """Give up what is tried when the allowance is spent.
-
-    Raises:
-        GivenUpError: it was given up.
-    """
-    token = _allowed.set(allowance)
-    try:
-        yield
-    finally:
-        _allowed.reset(token)
-
-
-def spend(problem: MomentumProblem, times: float = 1.0) -> None:
-    """Go through all samples of a problem so often.
-
-    Raises:
-        GivenUpError: more than may be done.
-    """
-    if allowance := _allowed.get():
-        allowance.left -= times * problem.samples.t.size
-        if allowance.left < 0:
-            raise GivenUpError
 
 
 class Rival(NamedTuple):
@@ -138,8 +90,8 @@ def trial(
     try:
         if obstacles(problem, bool(driven)):
             return Trial(cause, False, np.inf)
-        spend(problem, DERIVED)
-        shown = fit.estimate(problem, lambda _: spend(problem))
+        spend(problem.samples.t.size)
+        shown = fit.estimate(problem, lambda _: None)
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     found = _judged(cause, problem, shown)

@@ -279,7 +279,7 @@ class Solved(NamedTuple):
     off: float = 0.0
     """The largest difference of these two in the estimate's own deviations, which
     include it from then on."""
-    steps: int = 0
-    """How often progress was told on the way: as its searches took steps."""
+    work: float = 0.0
+    """Samples that all this went through (`allowance.py`)."""
     label: str = ""
     """What the recording is called, where it is one of several."""

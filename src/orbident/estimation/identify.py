@@ -11,6 +11,7 @@ from typing import Any, get_args
 
 from orbident.choices import InitialMomentum, Method
 from orbident.errors import InputError
+from orbident.estimation.allowance import Allowance, limited_to
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares, Structured
@@ -106,7 +107,7 @@ def identify(
             samples, the nominal mass matrix is singular, the burn cannot be weighed,
             or an argument is not one of those named.
     """
-    started, steps = time.perf_counter(), 0
+    started = time.perf_counter()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
     estimator = estimator_of(method)
     if not isinstance(estimator, OutputError):
@@ -116,19 +117,13 @@ def identify(
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
 
-    def counted(done: float) -> None:
-        nonlocal steps
-        steps += 1
-        progress(done)
-
     def judged(solved: Solved) -> Result:
         elapsed = time.perf_counter() - started
-        solved = solved._replace(steps=steps)
         return _judged(solved, estimator, weighing, elapsed)
 
     if len(recordings) == 1:
-        solved = solve(robot, recordings[0], initial_momentum, estimator, counted)
-        return judged(with_push(solved, estimator, counted))
+        one = _solved(robot, recordings[0], initial_momentum, estimator, progress)
+        return judged(one)
     if not isinstance(estimator, OutputError):
         raise InputError(
             f"several recordings are identified as one by maximum likelihood only, not "
@@ -142,18 +137,31 @@ def identify(
     labels = labels_of(held)
     alone = list[Solved]()
     for k, each in enumerate(held):
-        part = _part(counted, k, len(held))
-        one = solve(robot, each, initial_momentum, estimator, part)
-        alone.append(with_push(one, estimator, part))
+        part = _part(progress, k, len(held))
+        alone.append(_solved(robot, each, initial_momentum, estimator, part))
     # The last one's result is that of all, and shows what any of them shows.
     order = sorted(range(len(held)), key=lambda k: alone[k].problem.samples.tracked)
     labels, alone = [labels[k] for k in order], [alone[k] for k in order]
     results = [judged(each) for each in alone]
     agree = agreement(alone, labels)
     if agree.passed and all(one.status == "ok" for one in results):
-        again = solved_together(alone, estimator, lambda done: counted((1 + done) / 2))
+        again = solved_together(alone, estimator, lambda done: progress((1 + done) / 2))
         results = [judged(each) for each in again]
     return as_one(results, labels, agree)
+
+
+def _solved(
+    robot: Robot,
+    recording: Opened,
+    initial_momentum: InitialMomentum,
+    estimator: Estimator,
+    progress: Progress,
+) -> Solved:
+    """What one recording says, and the work that it took."""
+    with limited_to(Allowance()) as allowance:
+        solved = solve(robot, recording, initial_momentum, estimator, progress)
+        solved = with_push(solved, estimator, progress)
+    return solved._replace(work=allowance.spent)
 
 
 def _part(progress: Progress, k: int, recordings: int) -> Progress:

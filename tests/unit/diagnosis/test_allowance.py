@@ -8,7 +8,8 @@ from cause_problems import fitted, problem_with
 from orbident.diagnosis import causes as module
 from orbident.diagnosis.causes import SEARCH_ON, causes
 from orbident.diagnosis.rings import Ring
-from orbident.diagnosis.trial import Allowance, GivenUpError, limited_to, trial
+from orbident.diagnosis.trial import trial
+from orbident.estimation.allowance import Allowance, GivenUpError, limited_to
 from orbident.estimation.estimate import Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 

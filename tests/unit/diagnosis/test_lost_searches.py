@@ -8,7 +8,8 @@ from cause_problems import clean, fitted, problem_with
 
 from orbident.diagnosis import causes as module
 from orbident.diagnosis.causes import LOST, _tried
-from orbident.diagnosis.trial import Allowance, Trial
+from orbident.diagnosis.trial import Trial
+from orbident.estimation.allowance import Allowance
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error import least_cost

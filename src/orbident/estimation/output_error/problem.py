@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
 from orbident.environment.agents import AGENTS, FREE
+from orbident.estimation.allowance import spend
 from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
@@ -179,6 +180,7 @@ def changes_factor(
     values = np.delete(at["acting"], 1 + np.arange(np.count_nonzero(acts)), axis=2)
     own = np.delete(state.common, state.common.size - acts.size + np.flatnonzero(acts))
     others = [(each.recorded, values, own, places[~acts]) for each, places in changed]
+    spend(problem.t.size * (1 + len(changed)), problem.recorded.local)
     factor = _core.changes_factor(
         problem.recorded, **at, changed=others, sizes=sizes, threads=processors()
     )
@@ -194,6 +196,7 @@ def _linearised(
     float,
     list[Float[np.ndarray, "_ _"]],
 ]:
+    spend(problem.t.size, problem.recorded.local + len(at["common"]))
     return _core.linearised(
         problem.recorded, **at, threads=processors(), factor_only=factor_only
     )
