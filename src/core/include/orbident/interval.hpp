@@ -224,7 +224,7 @@ inline void add_samples(const Recorded& recorded, const LinearisedAt& at, int in
     TableRows slopes(slopes_of(memory.velocity[0]), 3, c.count());
     add_outside(c, contributions(joints.t).v_cm, slopes);
     joints.acting.add(ON_V, Matrix3<double>::Identity(), slopes);
-    if (c.calibrations) calibrate_velocity(c, calibration, joints, base, v, memory.slopes);
+    if (c.calibrations) calibrate_velocity(c, calibration, base, v, memory.slopes);
     add_sample(c, recorded.velocity, row, shown(recorded.velocity) - v, memory.slopes, -1,
                equations);
   }
