@@ -11,9 +11,9 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 307,
-    "lines": 65_186,
-    "files of estimation": 55,
+    "files": 308,
+    "lines": 65_196,
+    "files of estimation": 56,
     "lines of estimation": 13_426,
     "files with one user": 63,
     "imports below each other": 31,

@@ -162,3 +162,9 @@ def springs_on(robot: Robot) -> Springs:
         springs.k[joint] = rate**2 * inertia
         springs.c[joint] = 2 * passive.damping * rate * inertia
     return springs
+
+
+def principal_inertias(robot: Robot) -> Float[np.ndarray, " axes"]:
+    """Nominal, of the whole robot at zero, kg m^2; about z alone in the plane."""
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    return np.linalg.eigvalsh(D[2:, 2:] if robot.motion == "planar" else D)

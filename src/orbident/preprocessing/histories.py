@@ -41,8 +41,8 @@ a hundredth there."""
 
 
 ORDER = 8
-"""Of the differences that show the noise of a rate: they hold hardly any motion. Those
-of a sine at an eighth of the rate of rows are a thousandth of it."""
+"""The noise of a rate is taken from its differences of this order, which hold hardly
+any motion: of a sine at an eighth of the rate of rows they are a thousandth."""
 
 ROUNDED = 1e-6
 """Part of what a rate varies by, below which it has no noise: float32, and what these

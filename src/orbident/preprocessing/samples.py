@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.model.core_robot import wheels_of
 from orbident.preprocessing.base_motion import (
     PointVelocity,
     base_motion,
@@ -311,3 +312,9 @@ def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:
     for k, column in enumerate(columns):
         table[:, k] = column[rows]
     return table
+
+
+def wheels_momentum(robot: Robot, samples: Samples) -> Float[np.ndarray, "n 3"]:
+    """That of all wheels beside the base, base axes, N m s."""
+    qd_rw = np.reshape(samples.qd_rw, (len(robot.wheels), samples.t.size))
+    return qd_rw.T @ wheels_of(robot).A_rw.T

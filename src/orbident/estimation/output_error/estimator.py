@@ -59,6 +59,7 @@ from orbident.estimation.output_error.joint_laws import (
     what_is_carried_held,
 )
 from orbident.estimation.output_error.least_cost import FEW_STEPS, Search
+from orbident.estimation.output_error.looseness import LOOSE_TURNS
 from orbident.estimation.output_error.noise_scaling import (
     Fitted,
     fit_of_sensor,
@@ -72,7 +73,6 @@ from orbident.estimation.output_error.problem import (
     start_of,
 )
 from orbident.estimation.output_error.sensors import TORQUES, Sensors, sensors_of
-from orbident.estimation.output_error.shooting import LOOSE_TURNS
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import sensitivity
 from orbident.estimation.output_error.torques import drives_of, joints_driven

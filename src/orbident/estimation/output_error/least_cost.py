@@ -27,7 +27,7 @@ class Search:
 
     problem: Problem
     prior: Prior
-    """Of what a recording without anything beside its instruments has as unknowns."""
+    """What is known beforehand of the unknowns, where nothing acts on the robot."""
     start: Unknowns
     """Where a search starts."""
     nominal: Unknowns
@@ -46,7 +46,7 @@ class Search:
     """Sensors whose noise is."""
     progress: Callable[[], object]
     steps: int
-    """At most, for the weights of each round."""
+    """The most steps that a search takes with one set of the sensors' weights."""
 
     @property
     def hasty(self) -> bool:

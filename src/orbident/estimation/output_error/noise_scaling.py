@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.estimation.estimate import Goodness, SensorFit, whiteness
+from orbident.estimation.output_error.looseness import TURN_AND_BIASES
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,
@@ -17,7 +18,6 @@ from orbident.estimation.output_error.sensors import (
     innovated,
     some_of,
 )
-from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import BAD, solved
 from orbident.estimation.output_error.walking_rates import free_running
 from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals

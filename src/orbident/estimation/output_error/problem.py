@@ -27,6 +27,7 @@ from orbident.estimation.output_error.joint_laws import (
     joint_laws,
     longest_interval,
 )
+from orbident.estimation.output_error.looseness import CONTINUOUS, Looseness, looseness
 from orbident.estimation.output_error.sensors import (
     TORQUES,
     Lasting,
@@ -35,13 +36,7 @@ from orbident.estimation.output_error.sensors import (
     lasting_noise,
     walks_of_rates,
 )
-from orbident.estimation.output_error.shooting import (
-    CONTINUOUS,
-    Looseness,
-    intervals_of,
-    looseness,
-    substeps_of,
-)
+from orbident.estimation.output_error.shooting import intervals_of, substeps_of
 from orbident.estimation.output_error.torques import (
     driven_by,
     joints_driven,

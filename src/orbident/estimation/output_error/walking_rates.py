@@ -16,13 +16,13 @@ from scipy.optimize import minimize
 from orbident import _core
 from orbident.environment.agents import WALKS
 from orbident.environment.motion import by_step, integral
+from orbident.estimation.output_error.looseness import TURN_AND_BIASES
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
     RATE_WALK,
     TRACKERS,
     parts_of_boundaries,
 )
-from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.solution import Solution, Unknowns
 from orbident.model.core_robot import wheels_of
 

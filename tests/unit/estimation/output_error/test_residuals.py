@@ -16,6 +16,7 @@ from small_problems import (
     small_robot_in_space,
 )
 
+from orbident.estimation.output_error.looseness import TURN_AND_BIASES
 from orbident.estimation.output_error.noise_scaling import (
     HUBER,
     LEAST,
@@ -27,7 +28,6 @@ from orbident.estimation.output_error.noise_scaling import (
     whitened,
 )
 from orbident.estimation.output_error.problem import linear
-from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solution_at
 from orbident.estimation.solution import BySensor
 from orbident.recordings.recording import Recording
