@@ -86,8 +86,12 @@ class Errors:
         offset = Rotation.from_quat(x_WB).apply(self.feature_point)
         return (1 + self.position) * (r + offset - self.clock[2] * v)
 
-    def velocities(self, v: np.ndarray, w: np.ndarray, x_WB: np.ndarray) -> np.ndarray:
-        return v + Rotation.from_quat(x_WB).apply(np.cross(w, self.feature_point))
+    def velocities(
+        self, v: np.ndarray, a: np.ndarray, w: np.ndarray, x_WB: np.ndarray
+    ) -> np.ndarray:
+        """Those of a point, from velocity and acceleration of S, inertial axes."""
+        beside = Rotation.from_quat(x_WB).apply(np.cross(w, self.feature_point))
+        return v + beside - self.clock[2] * a
 
 
 @dataclass(frozen=True)
@@ -146,7 +150,8 @@ def shown_with(errors: Errors, robot: Robot, recording: Recording) -> Recording:
     put("attitude", errors.attitudes(x_WB, w), "xyzw")
     put("position", errors.positions(recording.vector("position"), v, x_WB))
     put("gyro", errors.rates(w))
-    put("velocity", errors.velocities(v, w, x_WB))
+    a = make_interp_spline(t, v, k=5).derivative()(t)
+    put("velocity", errors.velocities(v, a, w, x_WB))
     offsets = {
         f"joint.{n}.position": errors.zero[k] for k, n in enumerate(robot.joint_names)
     }

@@ -7,6 +7,7 @@ import numpy as np
 from instruments import Errors, TrueMotion, no_errors
 from random_robots import random_start, random_swing
 from scipy.interpolate import make_interp_spline
+from scipy.spatial.transform import Rotation
 
 from orbident import _core
 from orbident.estimation.output_error.problem import NO_ROWS, NOTHING, SENSORS
@@ -31,6 +32,8 @@ class Segment(NamedTuple):
     recorded: _core.Recorded
     weights: dict[str, np.ndarray]
     state: Unknowns
+    late: float = 0.0
+    """Of the position and the velocity, s."""
 
     def residuals(self, state: Unknowns | None = None) -> dict[str, np.ndarray]:
         """The residuals of every sensor."""
@@ -109,15 +112,15 @@ def segment_of(
     row = slice(None, None, 2)
     wheels = 6 + len(robot.joints)
     qd_rw, qdd_rw = by.wheels(motion.qd_rw, felt.v_dot[:, wheels:], rate)
+    x_WB = motion.attitude[row]
+    a = Rotation.from_quat(x_WB).apply(felt.f_S[row])
     samples = {
         "gyro": by.rates(motion.w[row]) + GYRO,
         "accelerometer": felt.f_S[row] + ACCELEROMETER,
-        "attitude": by.attitudes(motion.attitude[row], motion.w[row]),
+        "attitude": by.attitudes(x_WB, motion.w[row]),
         "joints": q[row],
-        "position": by.positions(
-            motion.r_S[row], motion.v_S[row], motion.attitude[row]
-        ),
-        "velocity": by.velocities(motion.v_S[row], motion.w[row], motion.attitude[row]),
+        "position": by.positions(motion.r_S[row], motion.v_S[row], x_WB),
+        "velocity": by.velocities(motion.v_S[row], a, motion.w[row], x_WB),
         "torques": np.zeros((0, 3)),
     }
     every = np.ones(3)
@@ -210,7 +213,7 @@ def segment_of(
         last = recorded.places
         state = state.selecting(np.arange(last - drives.size, last, dtype=float))
         state.common[-drives.size :] = drives.ravel()
-    return Segment(recorded, weights, state)
+    return Segment(recorded, weights, state, float(by.clock[2]))
 
 
 def columns(table: np.ndarray) -> list[np.ndarray]:
@@ -220,8 +223,9 @@ def columns(table: np.ndarray) -> list[np.ndarray]:
 
 def rate_at_rows(t: np.ndarray) -> np.ndarray:
     """The matrix that takes values to their rates: by the parabola through a row,
-    half-way and the next row; zero half-way."""
-    rate = np.zeros((t.size, t.size))
+    half-way and the next row, or the one before the last; zero half-way."""
+    rate, parabola = np.zeros((t.size, t.size)), np.array([-3, 4, -1])
     for node in range(0, t.size - 2, 2):
-        rate[node, node : node + 3] = np.array([-3, 4, -1]) / (t[node + 2] - t[node])
+        rate[node, node : node + 3] = parabola / (t[node + 2] - t[node])
+    rate[-1, -3:] = parabola[::-1] / (t[-3] - t[-1])
     return rate

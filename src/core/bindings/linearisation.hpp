@@ -84,6 +84,7 @@ class OwnedSweep {
         for (double*& mean : axis.mean) mean = take(all.lasting ? n : 0);
     interval.slopes = take(3 * unknowns);
     interval.felt = take(3 * unknowns);
+    interval.moved = take(3 * unknowns);
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
     at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting + 3 + K) * n);

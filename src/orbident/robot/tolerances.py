@@ -118,7 +118,7 @@ class Tolerances:
     position_clock: float = _of_all(
         "position.clock", "clocks.position", "time", usual=1e-3
     )
-    """How much the position is shown late, s."""
+    """How much position and velocity of `S` are shown late, s."""
     joint_place: Mapping[str, float] = _of_each_joint(
         "joint.{}.place", "joints.place", "length", True
     )

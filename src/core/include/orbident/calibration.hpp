@@ -255,14 +255,18 @@ inline void calibrate_position(const IntervalColumns& columns, const Calibration
   add_selected(columns, calibration, clock, Vector3<double>(-gain * v), slopes);
 }
 
+// A tracker is late for both, v - l a: these are the slopes without those of a.
 inline void calibrate_velocity(const IntervalColumns& columns, const Calibration& calibration,
-                               const BaseNode& base, Vector3<double>& shown, double* slopes) {
+                               const BaseNode& base, const Vector3<double>& a,
+                               Vector3<double>& shown, double* slopes) {
   const int place = calibration.places.feature_point(), n = columns.count();
+  const int clock = calibration.places.position_clock();
   const Vector3<double> d = calibration.vector(place), u = base.w.cross(d);
   const Matrix3<double>& R = base.R_WB;
-  shown += R * u;
+  shown += R * u - calibration.values[clock] * a;
   CombinedRows(slopes, n).add(-R * cross_matrix(u), base.phi).add(-R * cross_matrix(d), base.dw);
   add_selected(columns, calibration, place, Matrix3<double>(R * cross_matrix(base.w)), slopes);
+  add_selected(columns, calibration, clock, Vector3<double>(-a), slopes);
 }
 
 }  // namespace orbident

@@ -75,11 +75,14 @@ inline void read_joints(const Recorded& recorded, const LinearisedAt& at, int in
   const double* zero = at.calibration.values + places.zero();
   const double* scale = at.calibration.values + places.scale();
   const double late = at.calibration.values[places.joint_clock()];
-  // By the parabola through a row, half-way and the next row: accelerations count at rows alone.
-  const bool turned_on = late != 0.0 && row >= 0 && row + 1 < recorded.rows;
-  const double dt = turned_on ? recorded.t[row + 1] - recorded.t[row] : 1.0;
+  // By the parabola through a row, half-way and the next row, or the one before the last:
+  // accelerations count at rows alone.
+  const bool turned_on = late != 0.0 && row >= 0 && recorded.rows > 1;
+  const int way = row + 1 < recorded.rows ? 1 : -1;
+  const double dt = turned_on ? recorded.t[row + way] - recorded.t[row] : 1.0;
   for (int k = 1; turned_on && k < 3; ++k)
-    recorded.history.state(time_of(recorded, 2 * row + k), memory.knot, K, W, memory.after[k - 1]);
+    recorded.history.state(time_of(recorded, 2 * row + k * way), memory.knot, K, W,
+                           memory.after[k - 1]);
   const auto rate_of = [&](double* JointState::* x, int k) {
     const auto at = [&](int n) { return (memory.after[n].*x)[k]; };
     return turned_on ? (4 * at(0) - 3 * (shown.*x)[k] - at(1)) / dt : 0.0;
@@ -181,7 +184,7 @@ inline void start_base(const Recorded& recorded, const LinearisedAt& at, int int
   set_rate_changes(c, base);
 }
 
-// The rows of gyro, attitude, position and velocity.
+// The rows of gyro, attitude and position.
 inline void add_samples(const Recorded& recorded, const LinearisedAt& at, int interval, int row,
                         const JointNode& joints, const BaseNode& base, IntervalMemory& memory,
                         EquationTable& equations) {
@@ -219,15 +222,38 @@ inline void add_samples(const Recorded& recorded, const LinearisedAt& at, int in
     add_fix(c, recorded.position, row, recorded.t[row], shown(recorded.position) - r, memory.slopes,
             memory.whitening[1], equations);
   }
-  if (recorded.velocity.values) {
-    Vector3<double> v = velocity(joints, base, at.common);
-    TableRows slopes(slopes_of(memory.velocity[0]), 3, c.count());
-    add_outside(c, contributions(joints.t).v_cm, slopes);
-    joints.acting.add(ON_V, Matrix3<double>::Identity(), slopes);
-    if (c.calibrations) calibrate_velocity(c, calibration, base, v, memory.slopes);
-    add_sample(c, recorded.velocity, row, shown(recorded.velocity) - v, memory.slopes, -1,
-               equations);
+}
+
+// What a tracker shows of the velocity of S, and its slopes but for those that its clock adds.
+inline Vector3<double> velocity_shown(const Recorded& recorded, const LinearisedAt& at,
+                                      const JointNode& joints, const BaseNode& base,
+                                      const Vector3<double>& a, IntervalMemory& memory) {
+  const IntervalColumns& c = recorded.columns;
+  Vector3<double> v = velocity(joints, base, at.common);
+  std::copy_n(memory.velocity[0], 3 * c.count(), memory.moved);
+  TableRows slopes(memory.moved, 3, c.count());
+  add_outside(c, contributions(joints.t).v_cm, slopes);
+  joints.acting.add(ON_V, Matrix3<double>::Identity(), slopes);
+  if (c.calibrations) calibrate_velocity(c, at.calibration, base, a, v, memory.moved);
+  return v;
+}
+
+// The row of a velocity v, once the slopes of the velocity are known at the next row too, dt later
+// (or at the row before).
+inline void add_velocity(const Recorded& recorded, const LinearisedAt& at, int row,
+                         const Vector3<double>& v, const JointNode& joints, double dt,
+                         IntervalMemory& memory, EquationTable& equations) {
+  const IntervalColumns& c = recorded.columns;
+  const double late = at.calibration.values[at.calibration.places.position_clock()];
+  if (late != 0.0 && dt != 0.0) {
+    const Matrix3<double> by = -late * Matrix3<double>::Identity();
+    TableRows slopes(memory.moved, 3, c.count());
+    add_rate_of_velocity(c, by, dt, memory.velocity[0], memory.velocity[1], memory.velocity[2],
+                         memory.moved);
+    joints.acting.add(ON_FELT, by, slopes);
   }
+  const Eigen::Map<const Vector3<double>> shown(recorded.velocity.values + 3 * row);
+  add_sample(c, recorded.velocity, row, shown - v, memory.moved, -1, equations);
 }
 
 // What goes on at the end of an interval: turn and biases.
@@ -289,14 +315,20 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     start_lasting(recorded, at, interval, *trackers[k], memory.whitening[k], sensed);
   for (int r = first; r < last; ++r) {
     add_samples(recorded, at, interval, r, *row, *start, memory, sensed);
-    if (r == end) break;
+    const Vector3<double> f_S = specific_force(*row, *start);
+    const Matrix3<double> R_WB = start->R_WB;
+    Vector3<double> v = Vector3<double>::Zero();
+    if (recorded.velocity.values)
+      v = velocity_shown(recorded, at, *row, *start, R_WB * f_S, memory);
+    if (r == end) {
+      if (recorded.velocity.values) add_velocity(recorded, at, r, v, *row, -before, memory, sensed);
+      break;
+    }
     const double dt = recorded.t[r + 1] - recorded.t[r];
     if (driven)
       add_joint_torques(recorded, at, *row, *start, r == first ? -1.0 : 0.0, -(before + dt) / 6,
                         memory.own);
     before = dt;
-    const Vector3<double> f_S = specific_force(*row, *start);
-    const Matrix3<double> R_WB = start->R_WB;
     TableRows felt(memory.felt, 3, c.count());
     felt = cross_matrix(f_S).lazyProduct(TableRows(start->phi, 3, c.count()));
 
@@ -331,9 +363,10 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     }
     if (recorded.springs) expand_with_passive(recorded, at, memory, *next, *start);
     if (moving) velocity_slopes(c, *next, *start, memory.velocity[2]);
+    if (recorded.velocity.values) add_velocity(recorded, at, r, v, *row, dt, memory, sensed);
     if (recorded.accelerometer.values) {
-      add_rate_of_velocity(c, R_WB, dt, memory.velocity[0], memory.velocity[1], memory.velocity[2],
-                           memory.felt);
+      add_rate_of_velocity(c, R_WB.transpose(), dt, memory.velocity[0], memory.velocity[1],
+                           memory.velocity[2], memory.felt);
       row->acting.add(ON_FELT, R_WB.transpose(), felt);
       const Eigen::Map<const Vector3<double>> bias(at.local + interval * recorded.local() + 6),
           shown(recorded.accelerometer.values + 3 * r);

@@ -149,13 +149,14 @@ struct PassiveMemory {
 struct IntervalMemory {
   TermsMemory terms;
   PassiveMemory own;
-  JointState after[2];  // what joints show at the two nodes after one
+  JointState after[2];  // what joints show at the two nodes after one, or before the last
   int knot = 0;         // the last one before a node
   JointNode node[3];
   BaseNode base[3];
   double* velocity[3];  // 3 x unknowns each
   double* slopes;       // 3 x unknowns
   double* felt;         // 3 x unknowns
+  double* moved;        // 3 x unknowns
   Whitening whitening[TRACKERS][3];
 };
 

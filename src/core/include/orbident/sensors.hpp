@@ -79,13 +79,14 @@ inline void velocity_slopes(const IntervalColumns& columns, const JointNode& joi
       .add(by_phi, base.phi);
 }
 
-// The slopes of the specific force are R_0^T (R_0^T dv_S)' + [f_S]x phi: the rate by the parabola
-// through the slopes of the velocity at a row, half-way and at the next row, dt later.
-inline void add_rate_of_velocity(const IntervalColumns& columns, const Matrix3<double>& R_WB,
+// Adds `by` times the rate of the velocity's slopes, by the parabola through those at a row,
+// half-way and at the next row, dt later: the slopes of the specific force are
+// R_0^T (R_0^T dv_S)' + [f_S]x phi.
+inline void add_rate_of_velocity(const IntervalColumns& columns, const Matrix3<double>& by,
                                  double dt, const double* row, const double* half_way,
                                  const double* next, double* out) {
   const int n = columns.count();
-  const Matrix3<double> per_time = R_WB.transpose() / dt;
+  const Matrix3<double> per_time = by / dt;
   CombinedRows(out, n).add(4 * per_time, half_way).add(-3 * per_time, row).add(-per_time, next);
 }
 

@@ -136,7 +136,7 @@ def _axes_that_show(
         "position_scale": where(position),
         "joint_clock": where(bool(robot.joints)),
         "attitude_clock": where(attitude and gyro),
-        "position_clock": where(position),
+        "position_clock": where(position or velocity),
         "thruster_clock": where("thrusters" in recorded),
         "thruster_pulse": where("thrusters" in recorded),
         "thruster_coupling": where("thrusters together" in recorded),

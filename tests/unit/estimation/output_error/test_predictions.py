@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from instruments import random_errors
+from instruments import no_errors, random_errors
 from random_robots import (
     random_parents,
     random_planar_robot,
@@ -62,6 +62,10 @@ def by_differences(segment: Segment, sensor: str) -> np.ndarray:
 
 def check_slopes(segment: Segment, faster: float = 1.0, of: str = "") -> None:
     """`faster`: how many times as fast as usual joints swing; `of`: one sensor."""
+    # Of an acceleration slopes are by a parabola in time, 0.02^2; of a late velocity
+    # they have that many times those.
+    felt = by_differences(segment, "accelerometer")
+    shares = {"accelerometer": 1.0, "velocity": abs(segment.late)}
     for sensor in [of] if of else segment.weights:
         if sensor == "joints" or (sensor == "attitude" and faster > 1):
             # The slopes of a rotation's residual are those of a small one.
@@ -69,10 +73,9 @@ def check_slopes(segment: Segment, faster: float = 1.0, of: str = "") -> None:
         exact = by_differences(segment, sensor)
         ours = segment.equations(sensor)[: len(exact), :-1]
         # RK4 of the derivative is not the derivative of RK4: a step's error, 0.02^4
-        # relative; and rounding over the differences' step. The accelerometer's are by
-        # a parabola in time: 0.02^2.
-        part, least = (1e-3, 1e-4) if sensor == "accelerometer" else (1e-7, 1e-9)
-        part *= faster ** (2 if sensor == "accelerometer" else 4)
+        # relative; and rounding over the differences' step.
+        share = shares.get(sensor, 0.0)
+        part, least = 1e-7 * faster**4, 1e-9 + 1e-4 * share
         error = np.abs(ours - exact).max(axis=0)
         local = segment.state.local.size
         betas = local + 15 + segment.state.beta.size
@@ -83,7 +86,9 @@ def check_slopes(segment: Segment, faster: float = 1.0, of: str = "") -> None:
             slice(betas, None),
         ):
             size = np.abs(exact[:, group]).max(initial=0.0)
-            assert error[group].max(initial=0.0) < part * size + least, (sensor, group)
+            of_felt = np.abs(felt[:, group]).max(initial=0.0)
+            most = part * size + 1e-3 * share * faster**2 * of_felt + least
+            assert error[group].max(initial=0.0) < most, (sensor, group)
 
 
 @pytest.mark.core
@@ -122,6 +127,16 @@ def test_badly_calibrated_instruments(robot):
     for sensor, residual in segment.residuals().items():
         np.testing.assert_allclose(residual, 0.0, atol=1e-9, err_msg=sensor)
     check_slopes(segment)
+
+
+@pytest.mark.parametrize("robot", SLOW_IN_SPACE)
+def test_a_late_velocity(robot):
+    """To the last row, behind which there is none."""
+    errors = no_errors(ROBOTS[robot])
+    errors.clock[2] = 0.05
+    segment = segment_of(ROBOTS[robot], 3, 17, errors=errors)
+    np.testing.assert_allclose(segment.residuals()["velocity"], 0.0, atol=1e-9)
+    check_slopes(segment, of="velocity")
 
 
 @pytest.mark.parametrize("passive", [(), (1,)])

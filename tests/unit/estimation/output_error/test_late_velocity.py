@@ -1,0 +1,50 @@
+"""A tracker that shows the velocity of S late, of which the clock is an unknown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from clean_recordings import RATE, Recorded, clean_space
+from random_motions import random_motion
+from scipy.interpolate import CubicSpline
+
+from orbident.estimation.identify import identify
+from orbident.recordings.recording import Recording
+from orbident.robot.tolerances import Tolerances
+from orbident.simulation.simulate import float_along
+
+NOISE = 1e-4
+"""m/s."""
+
+
+def late(seconds: float) -> Recorded:
+    """A flight with the velocity in the place of the position."""
+    known = clean_space(seed=3, duration=60.0)
+    trajectory = random_motion(
+        known.robot, seed=1, duration=60.0, wheel_speed=100.0, start="turning"
+    )
+    flown = float_along(known.robot, trajectory, RATE)
+    v_S = CubicSpline(flown.t, flown.v_S)(flown.t - seconds)
+    v_S += NOISE * np.random.default_rng(5).standard_normal(v_S.shape)
+    columns = {
+        name: x
+        for name, x in known.recording.columns.items()
+        if not name.startswith("position")
+    }
+    columns |= {f"velocity.{k}": v_S[:, i].copy() for i, k in enumerate("xyz")}
+    return replace(known, recording=Recording(known.recording.t, columns))
+
+
+@pytest.mark.parametrize("seconds", [2e-3, -5e-3])
+def test_the_clock_of_a_velocity_is_found(seconds: float):
+    """Without it the mass was off, and the recording refused."""
+    known = late(seconds)
+    robot = replace(known.robot, tolerances=Tolerances(position_clock=1e-2))
+    result = identify(robot, known.recording)
+    assert result.status == "ok"
+    clock = result.calibration["position.clock"]
+    assert clock.std < 1e-3
+    assert abs(clock.value - seconds) < 4 * clock.std
+    assert np.abs(known.z(result)).max() < 4.5
+    exact = replace(known.robot, tolerances=Tolerances())
+    assert identify(exact, known.recording).status != "ok"
