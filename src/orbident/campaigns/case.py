@@ -19,7 +19,6 @@ from scipy.spatial.transform import Rotation
 
 from orbident.campaigns.spec import Disperse, Distribution
 from orbident.estimation.output_error.calibration import calibrations_of
-from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
@@ -74,7 +73,7 @@ class Case:
         draws |= {name: x * errors[name.partition(".")[2]] for name, x in drawn.items()}
         draws |= self._draw("noise", what.noise, tuple(robot.sensors.declared))
         axes_h, axes_v = (
-            tuple("xyz"[axis] for axis in axes) for axes in conserved_axes(robot)
+            tuple("xyz"[axis] for axis in axes) for axes in robot.conserved_axes
         )
         for key, names in (
             ("angular_velocity", axes_h),
@@ -252,7 +251,7 @@ def with_instrument_errors(
         gyro=(1 + _drawn(errors, "gyro_scale")) * (true.gyro @ R_BS),
         attitude=shown / np.linalg.norm(shown, axis=1, keepdims=True),
         position=size * late("position", true.position + R_WB.apply(point)),
-        velocity=true.velocity + lever,
+        velocity=late("position", true.velocity + lever),
     )
 
 

@@ -16,7 +16,6 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia, poses
-from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import quaternion_matrix
 from orbident.preprocessing.histories import NO_NOISE
 from orbident.robot.description import Robot, Wheel
@@ -43,7 +42,7 @@ file declares for tachometers is nothing beside their speed."""
 
 def beside(problem: MomentumProblem) -> Iterator[Suspect]:
     """What is neither an instrument's error nor one of geometry."""
-    axes = np.eye(3)[list(conserved_axes(problem.robot)[0])]
+    axes = np.eye(3)[list(problem.robot.conserved_axes[0])]
     yield from _spin_down(problem)
     if problem.robot.motion != "planar":
         if problem.recording.has("position.x", "attitude.x"):
@@ -88,7 +87,7 @@ def point_of_a_link(problem: MomentumProblem) -> Iterator[Trial]:
     robot, samples = problem.robot, problem.samples
     if not (robot.joints and problem.recording.has_vector("position")):
         return
-    axes = list(conserved_axes(robot)[1])
+    axes = list(robot.conserved_axes[1])
     q, x_WB = np.column_stack(samples.q), np.column_stack(samples.x_WB)
     p = problem.recording.vector("position")[:, axes]
     seen = np.isfinite(np.hstack([q, x_WB, p])).all(axis=1)
@@ -284,7 +283,7 @@ def _with_momentum(
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         robot, samples = problem.robot, problem.samples
-        turning = list(conserved_axes(robot)[0])
+        turning = list(robot.conserved_axes[0])
         speeds = tuple(np.ascontiguousarray(momentum(c)[:, turning].T) / LIGHT)
         wheels = [Wheel(f"{EXTRA}_{k}", np.eye(3)[k], LIGHT) for k in turning]
         columns = {

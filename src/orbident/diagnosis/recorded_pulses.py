@@ -23,7 +23,6 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.files.names import joined
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia
-from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.recordings.columns import OF_PARTS, part_of
@@ -206,7 +205,7 @@ def shown_pulses(problem: MomentumProblem) -> ShownPulses | None:
     changes = _changes(problem) if valves and problem.samples.v_S else None
     if changes is None or len(changes.p) < FEWEST * len(valves):
         return None
-    h, v = conserved_axes(problem.robot)
+    h, v = problem.robot.conserved_axes
     sizes = [np.linalg.norm(each.force, axis=1) for each in valves]
     levels = np.array([x / x.max() for x in sizes])
     times = np.arange(-FARTHEST, FARTHEST + APART, APART)
@@ -256,7 +255,7 @@ def _changes(problem: MomentumProblem) -> _MomentumChanges | None:
     v_B = np.cross(seen.w, at.r_cm) + rotate(at.J_cm, seen.qd)
     edges = np.unique(np.searchsorted(t, np.arange(t[0], t[-1], BLOCK)))
     p, h = robot.mass * (seen.v_S + rotate(R_WB, v_B)), rotate(R_WB, h_B)
-    turning, moving = (list(axes) for axes in conserved_axes(robot))
+    turning, moving = (list(axes) for axes in robot.conserved_axes)
     p, h = (np.diff(x[edges], axis=0) for x in (p[:, moving], h[:, turning]))
     return _MomentumChanges(t, R_WB, edges.tolist(), p, h)
 

@@ -23,7 +23,6 @@ from orbident.diagnosis.suspects import Numbers, Suspect
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -216,5 +215,5 @@ def axes_of(problem: MomentumProblem, sensor: str) -> Float[np.ndarray, "axes al
     """Those of a sensor in which it says something."""
     if sensor.startswith("joint."):
         return np.eye(1)
-    turning, moving = conserved_axes(problem.robot)
+    turning, moving = problem.robot.conserved_axes
     return np.eye(3)[list(turning if sensor in ("gyro", "attitude") else moving)]

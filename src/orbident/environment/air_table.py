@@ -26,7 +26,6 @@ from orbident.environment.motion import (
     heavy_bodies,
 )
 from orbident.environment.worlds import radius_of_gyration
-from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.trajectories.environment import Environment, Uneven
 
@@ -71,7 +70,7 @@ class LevelPull(Pull):
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """Along each axis that momentum is conserved along."""
-        for k in conserved_axes(motion.robot)[1] if motion.S else ():
+        for k in motion.robot.conserved_axes[1] if motion.S else ():
             yield self.pulling(motion, AXES[k], motion.always(np.eye(3)[k]))
 
 

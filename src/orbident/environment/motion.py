@@ -23,18 +23,6 @@ Steps = Float[np.ndarray, "steps 3 3"]
 """Vectors at the nodes of each step: what is switched differs on both sides of one."""
 
 
-TABLED, FEWEST, MOST = 2**18, 8, 72
-"""Rows of a recording times waves of the noise of a wheel's speed, as each is a table
-of all rows; and how many waves. Fewer hold nothing of a motion. So many hold what
-smoothing leaves of a wheel that speeds up and slows down within half a minute."""
-
-
-def waves_of_noise(rows: int) -> int:
-    """How many waves of the noise of a wheel's speed a fit has among its unknowns."""
-    waves = min(MOST, TABLED // rows)
-    return waves if waves >= FEWEST else 0
-
-
 class PointMotion(NamedTuple):
     """How a point moves; inertial axes."""
 
@@ -134,6 +122,8 @@ class RobotMotion:
     speed_noise: tuple[float, ...] = ()
     """Density of the tachometer's noise in the speed of each wheel of a recording,
     rad/s/sqrt(Hz)."""
+    speed_waves: int = 0
+    """How many waves a fit has of it."""
     predicted_w: Vectors | None = None
     """What a fit predicts of `w`, without a gyro's noise; but for constants, rad/s."""
 

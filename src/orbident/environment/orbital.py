@@ -32,7 +32,6 @@ from orbident.environment.motion import (
     heavy_bodies,
 )
 from orbident.model.kinematics import inertia
-from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate, rotate_back
 from orbident.orbits.earth import MU
 from orbident.robot.parameters import inertia_about_com
@@ -81,7 +80,7 @@ class _Across(Agent):
         """By what is along each axis of the base."""
         if self.seen in motion.surroundings:
             across = self.sign * motion.surroundings[self.seen]
-            for k in conserved_axes(motion.robot)[0]:
+            for k in motion.robot.conserved_axes[0]:
                 yield AXES[k], np.cross(motion.R_WB[:, :, k], across)
 
 

@@ -53,11 +53,9 @@ from orbident.environment.motion import (
     RobotMotion,
     Vectors,
     by_step,
-    waves_of_noise,
 )
 from orbident.environment.worlds import SHORTEST, radius_of_gyration, world_of
 from orbident.model.kinematics import inertia
-from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
 from orbident.recordings.derivatives import HALF, derivatives
 
@@ -93,7 +91,7 @@ class ConstantTorque(Agent):
 
     def torques(self, motion: RobotMotion) -> Named:
         """About each axis about which momentum is conserved."""
-        for k in conserved_axes(motion.robot)[0]:
+        for k in motion.robot.conserved_axes[0]:
             yield AXES[k], motion.always(np.eye(3)[k])
 
 
@@ -182,7 +180,7 @@ class WheelNoise(Agent):
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """The waves of each wheel's speed."""
         t, R_WB = motion.t[::2], motion.R_WB[::2]
-        waves = _waves(t, waves_of_noise(t.size))
+        waves = _waves(t, motion.speed_waves)
         for wheel, std in zip(motion.robot.wheels, motion.speed_noise, strict=False):
             for m, wave in enumerate(waves.T if std else ()):
                 h = rotate(R_WB, np.outer(wave, wheel.inertia * wheel.axis))
@@ -221,7 +219,7 @@ class Leak(Agent):
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """The force along each axis of the base, and the moment about each."""
-        turning, moving = conserved_axes(motion.robot) if motion.S else ((), ())
+        turning, moving = motion.robot.conserved_axes if motion.S else ((), ())
         arm = radius_of_gyration(motion.robot)
         for k in moving:
             force = by_step(motion.R_WB[:, :, k])
@@ -250,7 +248,7 @@ class Push(Agent):
         if motion.pushed is None:
             return
         begin, end = motion.pushed
-        turning, moving = conserved_axes(motion.robot)
+        turning, moving = motion.robot.conserved_axes
         s = by_step(motion.t - begin)
         during = (s[:, :1] >= 0) & (s[:, 2:] <= end - begin)
         for m in (0, 1):
@@ -276,7 +274,7 @@ class TorqueWalk(Agent):
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """Its waves about each axis about which momentum is conserved."""
         if self.group in motion.robot.said_to_act:
-            axes = conserved_axes(motion.robot)[0]
+            axes = motion.robot.conserved_axes[0]
             D = inertia(motion.robot, motion.q[:1]).D[0]
             std = _density(self, motion, float(np.trace(D)), motion.w)
             for name, wave in _white(motion, axes):
@@ -298,7 +296,7 @@ class ForceWalk(Agent):
         robot = motion.robot
         if self.group in robot.said_to_act and motion.S:
             std = _density(self, motion, robot.mass, motion.S.v)
-            for name, wave in _white(motion, conserved_axes(robot)[1]):
+            for name, wave in _white(motion, robot.conserved_axes[1]):
                 effect = motion.nothing._replace(push=by_step(wave / robot.mass))
                 yield self.column(name, effect)._replace(std=std)
 
@@ -324,7 +322,7 @@ def slow_shapes(motion: RobotMotion, group: str) -> Float[np.ndarray, "nodes sha
     # With more shapes beside thrusters a slow torque takes the place of their thrust,
     # and a robot seems to have a twentieth of its mass.
     alone = not motion.robot.thrusters
-    each = SWINGS / (len(conserved_axes(motion.robot)[0]) if alone else 3)
+    each = SWINGS / (len(motion.robot.conserved_axes[0]) if alone else 3)
     lasts = max(shortest / np.pi, (end - start) / each)
     times = np.linspace(start, end, TIMES)
     K = _covariance(times, times, lasts)
@@ -375,7 +373,7 @@ class OnSprings(Agent):
         if t.size <= 2 * HALF:
             return
         _, bent = derivatives(t, w)
-        axes = conserved_axes(motion.robot)[0]
+        axes = motion.robot.conserved_axes[0]
         for i in axes:
             for k in axes[axes.index(i) :]:
                 K = np.zeros((3, 3))

@@ -23,7 +23,6 @@ from orbident.errors import InputError
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
 from orbident.files.json_parts import JsonPart, NullableNumber, held_as
-from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.integrals import (
@@ -351,7 +350,7 @@ def _check_locked(robot: Robot, recording: Recording) -> None:
 
 def _fit(robot: Robot, rows: Rows) -> tuple[LinearFit, int]:
     """Least squares for 1/M, and in how many samples."""
-    _, moving = conserved_axes(robot)
+    _, moving = robot.conserved_axes
     planar = robot.motion == "planar"
     # In the plane a force turns about z only.
     pushed = rows.pushed[:, moving][:, :, [0, 3] if planar else [0, 1, 2, 3]]

@@ -39,11 +39,10 @@ from orbident.gaussian import rms_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.preprocessing.base_motion import least_speed_noise
 from orbident.preprocessing.delays import SENSORS
-from orbident.preprocessing.followers import Lead
-from orbident.preprocessing.histories import RateNoise
+from orbident.preprocessing.histories import Lead
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.rate_noise import RateNoise, least_speed_noise
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import smooth
 from orbident.preprocessing.wrenches import Wrenches, recorded_wrenches

@@ -19,7 +19,6 @@ from orbident.excitation.search import Effort, MotionSearch, Progress
 from orbident.excitation.table_points import TableSize
 from orbident.files.json_parts import nulled
 from orbident.model.kinematics import inertia
-from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.flight import Driven, FreeFlying, standing
@@ -102,7 +101,7 @@ def brakes_of(robot: Robot, limits: Limits) -> Brakes:
     for limit, effect, axes, verb in zip(
         (min(limits.table), limits.excursion),
         (force / robot.mass, torque @ np.linalg.inv(at.D[0])),
-        reversed(conserved_axes(robot)),
+        reversed(robot.conserved_axes),
         ("push", "turn"),
         strict=True,
     ):

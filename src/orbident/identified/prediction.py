@@ -49,7 +49,6 @@ from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import (
     MinimalSets,
     Regressors,
-    conserved_axes,
     minimal_sets,
 )
 from orbident.model.reconstruction import root_of
@@ -359,7 +358,7 @@ def _predicted(
     prior = prior._replace(measured=prior.measured[:0])
     found = solved(problem, problem.weights, prior, start)
     residuals = linear(problem, problem.weights, found.state).residuals
-    turning, moving = conserved_axes(robot)
+    turning, moving = robot.conserved_axes
     for name, axes in zip(POSE, (turning, moving), strict=True):
         if name in residuals:
             seen = problem.weights[name][:, axes[0]] > 0

@@ -38,7 +38,7 @@ from orbident.identified.prediction import (
     prediction_deviations,
 )
 from orbident.model.core_robot import friction_torques
-from orbident.model.minimal_sets import conserved_axes, minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.wrenches import recorded_thrust
@@ -244,7 +244,7 @@ def scored(result: Result, recording: Recording) -> Validation:
             prediction needs.
     """
     prediction = predict(result, recording)
-    axes_h, axes_v = conserved_axes(result.robot)
+    axes_h, axes_v = result.robot.conserved_axes
     measured = prediction.measured
     w_std, v_std = prediction_deviations(result, prediction)
     # Each with what was measured, the error, and its deviation by the parameters.

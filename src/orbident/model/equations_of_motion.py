@@ -212,7 +212,7 @@ def check_regular(robot: Robot) -> None:
         InputError: some motion of base and joints moves no mass at all.
     """
     q = np.random.default_rng(0).standard_normal(len(robot.joints))
-    free = [2] if robot.motion == "planar" else [0, 1, 2]
+    free = list(robot.conserved_axes[0])
     H = inertia(robot, q[None]).energy(free)[0]
     names = [f"the base about {'xyz'[k]}" for k in free]
     names += [f"joint '{name}'" for name in robot.joint_names]

@@ -187,16 +187,6 @@ class MinimalSets:
         return beta[0], beta[1 : 1 + sigmas], beta[1 + sigmas :]
 
 
-def conserved_axes(robot: Robot) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """The base axes of angular and of linear momentum that are conserved.
-
-    All; on a table (planar motion) z of the one, x and y of the other.
-    """
-    if robot.motion == "planar":
-        return (2,), (0, 1)
-    return (0, 1, 2), (0, 1, 2)
-
-
 @lru_cache(maxsize=16)
 @one_blas_thread
 def minimal_sets(robot: Robot) -> MinimalSets:
@@ -209,7 +199,7 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     """
     if len(robot.joints) > MOST_JOINTS:
         _refuse(robot, f"has {len(robot.joints)} joints")
-    axes_h, axes_v = conserved_axes(robot)
+    axes_h, axes_v = robot.conserved_axes
     samples = 2 * PER_BODY * len(robot.bodies)
     n, planar = -(-samples // len(axes_h)), robot.motion == "planar"
     at = momentum_regressors(robot, *random_motion(n, len(robot.joints), planar))

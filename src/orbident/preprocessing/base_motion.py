@@ -1,11 +1,10 @@
 """Attitude and rate of the base, and the velocity of S, at the rows of a recording.
 
 The rate may come from the attitude alone, and the velocity from positions or from what
-an accelerometer at S felt. Noise of measured wheel speeds adds to what they predict of
-the rate.
+an accelerometer at S felt. An attitude that nobody recorded may follow from a velocity.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -15,11 +14,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.gaussian import white_std_of
-from orbident.model.core_robot import wheels_of
-from orbident.model.kinematics import inertia_at
-from orbident.model.minimal_sets import conserved_axes
+from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import UNTURNED
-from orbident.preprocessing.histories import Columns, RateNoise
+from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.integrals import (
     GyroNoise,
     fuse_attitude,
@@ -38,16 +35,6 @@ from orbident.robot.sensor_schema import SensorsSpec
 
 REMEMBERED = 4
 """Motions of the base: while a cause is looked for, most stay as they were."""
-
-HIDDEN = 0.5
-"""Noise of wheels' speeds that turns the base by less than this part of the gyro's own
-noise is hidden by it: the variance grows by an eighth at most."""
-
-FINER = 0.1
-"""Part of an attitude's noise by which a gyro walks at most until the next attitude.
-Attitudes that are as fine as the gyro show by themselves how noise turns the base: with
-1 deg/sqrt(h) beside 0.02 deg deviations did not hold it, and with 0.3 deg/sqrt(h) they
-did."""
 
 
 def attitude_rates(
@@ -307,52 +294,67 @@ def _felt(
     return PointVelocity(tuple(columns), how)
 
 
-def momentum_noise(
-    robot: Robot, speeds: Sequence[RateNoise]
-) -> Float[np.ndarray, "3 wheels"]:
-    """A root of the covariance of `h_rw`, N m s, by what is white in wheels' speeds."""
-    return wheels_of(robot).A_rw * np.array([each.white for each in speeds] or 0.0)
+ROWS = 500
+"""So many rows, evenly spaced, show three angles as well as all do."""
+
+ROUNDS = 100
+"""Rounds that are made at most: a dozen are usual."""
+
+SETTLED = 1e-6
+"""rad: an attitude that changes by less from round to round has settled."""
+
+NO_TURN = 1e-3
+"""Over all velocities: what an attitude of zero weighs, where they show none."""
 
 
-def declared_rate_noise(robot: Robot) -> float:
-    """Std of the predicted base rate by the declared noise of tachometers, rad/s.
+def with_first_attitude(
+    robot: Robot, q: Columns, qd: Columns, w: Columns, x_WB: Columns, v_S: Columns
+) -> Columns:
+    """The attitude at all rows, in the axes of the velocity, that nobody recorded.
 
-    The speeds are those that the tachometers show, without smoothing.
+    A gyro shows how a base turned since its first sample, `R(t)`. With `R_0` its
+    attitude then, Eq. 31 is, up to the constant velocity of the CM,
+
+        v_S(t) = R_0 R(t) W phi
+
+    which is linear in `phi`, and of `R_0` is Wahba's problem (Kabsch 1976). Each is
+    solved with the other known, in turn, from nominal `phi` on. In the plane turns
+    commute, and another `R_0` is another `phi`: there inertial axes are those of the
+    base at first.
+
+    Args:
+        robot: with its nominal inertia.
+        q: rad or m.
+        qd: rad/s or m/s.
+        w: base axes, rad/s.
+        x_WB: from an attitude of zero on.
+        v_S: inertial axes, m/s.
     """
-    wheels = robot.sensors.wheels
-    noise = RateNoise(0.0, (wheels and wheels.tachometer) or 0.0)
-    return rate_noise(robot, [noise] * len(robot.wheels))
-
-
-def least_speed_noise(robot: Robot) -> float:
-    """The least density of wheels' speed noise that the base shows, rad/s/sqrt(Hz).
-
-    It is zero where attitudes may show any, and infinite where none turns the base. On
-    a table it is infinite, too, where the gyro shows the noise of every row: then it
-    says what the speeds are, and waves take several times as long.
-    """
-    wheels, rows = robot.sensors.wheels, robot.sensors.rows_per_second
-    if wheels is None or not wheels.tachometer:
-        return 0.0
-    if robot.motion == "planar":
-        shown = declared_rate_noise(robot)
-        return np.inf if shown > robot.sensors.of("gyro").white_std(1 / rows) else 0.0
-    gyro, attitude = robot.sensors.of("gyro"), robot.sensors.of("attitude")
-    rate = attitude.rate or robot.sensors.rate
-    walked = gyro.white_std() / np.sqrt(rate) if rate else np.inf
-    if not walked <= FINER * attitude.white_std():
-        return 0.0
-    turned = rate_noise(robot, [RateNoise(0.0, 1.0)] * len(robot.wheels))
-    return HIDDEN * gyro.white_std() / turned if turned else np.inf
-
-
-def rate_noise(robot: Robot, speeds: Sequence[RateNoise]) -> float:
-    """Std of the predicted base rate, rad/s: `dw = -D^-1 dh_rw` (Eq. 3).
-
-    Root mean square of the axes about which momentum is conserved, with the nominal
-    inertia at zero joint positions.
-    """
-    axes = list(conserved_axes(robot)[0])
-    D = inertia_at(robot, np.zeros(len(robot.joints))).D[np.ix_(axes, axes)]
-    dw = np.linalg.solve(D, momentum_noise(robot, speeds)[axes])
-    return float(np.linalg.norm(dw) / np.sqrt(len(axes)))
+    every = np.column_stack([*q, *qd, *w, *x_WB, *v_S])
+    rows = np.flatnonzero(np.isfinite(every).all(axis=1))
+    if not rows.size:
+        return x_WB
+    rows = rows[:: max(rows.size // ROWS, 1)]
+    ends = np.cumsum([len(q), len(qd), len(w), len(x_WB)])
+    q_, qd_, w_, x_, v = np.split(every[rows], ends, axis=1)
+    sets = minimal_sets(robot)
+    _, W = sets.regressors(*map(np.ascontiguousarray, (q_, qd_, w_)))
+    W = Rotation.from_quat(x_).as_matrix() @ W
+    W, v = W - W.mean(axis=0), v - v.mean(axis=0)
+    size = np.linalg.norm(v)
+    if not 0 < size < np.inf:
+        return x_WB
+    phi, first = sets.phi(robot.theta), Rotation.identity()
+    none = NO_TURN * size * np.eye(3)
+    for _ in range(ROUNDS):
+        before = first
+        shown, predicted = np.vstack([v, none]), np.vstack([W @ phi, none])
+        first = Rotation.align_vectors(shown, predicted)[0]
+        left = first.inv().apply(v) - W @ phi
+        phi = phi + np.linalg.lstsq(W.reshape(-1, phi.size), left.ravel())[0]
+        if (first * before.inv()).magnitude() < SETTLED:
+            break
+    known = np.isfinite(np.column_stack(x_WB)).all(axis=1)
+    x = np.column_stack(x_WB)
+    x[known] = (first * Rotation.from_quat(x[known])).as_quat()
+    return tuple(x.T)

@@ -6,14 +6,13 @@ follow the one that moves farthest, whose encoder shows most of their motion.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Collection, Iterator
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.gaussian import white_std
-from orbident.preprocessing.histories import Histories
+from orbident.preprocessing.histories import Lead
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Coupling, Robot
 
@@ -33,14 +32,6 @@ SURE = 3.0
 
 ROUNDING = 1e-12
 """Over a joint's motion: a column that another one gives differs by less from it."""
-
-
-class Lead(NamedTuple):
-    """How one joint moves another: `q = factor q' + offset`, rad or m."""
-
-    by: str
-    factor: float
-    offset: float
 
 
 def one_motion(robot: Robot, recording: Recording) -> dict[str, Lead]:
@@ -110,24 +101,6 @@ def _together(
             if np.sqrt(np.mean((apart - np.median(apart)) ** 2)) > ALIKE * noise:
                 continue
         yield coupling, apart
-
-
-def as_one_motion(
-    robot: Robot, joints: Histories, led: Mapping[str, Lead]
-) -> Histories:
-    """The histories with these joints as those that they follow move them."""
-    at = {name: k for k, name in enumerate(robot.joint_names)}
-    q, qd = list(joints.positions), list(joints.rates)
-    shares, worst = list(joints.shares), list(joints.worst)
-    for name, (leader, factor, offset) in led.items():
-        k, other = at[name], at[leader]
-        q[k], qd[k] = factor * q[other] + offset, factor * qd[other]
-        of_q, of_qd = worst[other]
-        worst[k] = abs(factor) * of_q, abs(factor) * of_qd
-        shares[k] = shares[other]
-    return joints._replace(
-        positions=tuple(q), rates=tuple(qd), shares=tuple(shares), worst=tuple(worst)
-    )
 
 
 def without_followers(recording: Recording, led: Collection[str]) -> Recording:

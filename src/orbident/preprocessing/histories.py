@@ -1,6 +1,6 @@
 """What joints and wheels did at the rows of a recording, and which joints were held."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial, reduce
 from itertools import chain
 from operator import or_
@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.environment.motion import waves_of_noise
-from orbident.gaussian import white_std_of
 from orbident.model.kinematics import inertia_at
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.rate_noise import NO_NOISE, RateNoise, waves_of_noise
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.smoothing import (
     AT_ONCE,
@@ -40,56 +39,12 @@ hold all that it leaves: of wave `m` it leaves `1 / (1 + (m pi reach / T)^8)`, w
 a hundredth there."""
 
 
-ORDER = 8
-"""The noise of a rate is taken from its differences of this order, which hold hardly
-any motion: of a sine at an eighth of the rate of rows they are a thousandth."""
+class Lead(NamedTuple):
+    """How one joint moves another: `q = factor q' + offset`, rad or m."""
 
-ROUNDED = 1e-6
-"""Part of what a rate varies by, below which it has no noise: float32, and what these
-differences leave of a motion at a twentieth of the rate of rows."""
-
-
-class RateNoise(NamedTuple):
-    """Noise of a tachometer in a rate that it alone tells."""
-
-    density: float
-    """Density of the waves that stand for it in a fit, rad/s/sqrt(Hz); zero where a
-    recording is too long for waves, or the gyro's noise hides them."""
-    white: float
-    """Std of a sample that is used as it was read, rad/s; zero where speeds are
-    smoothed."""
-
-    @classmethod
-    def read(
-        cls, std: float, t: Float[np.ndarray, " samples"], samples: int, shows: float
-    ) -> "RateNoise":
-        """Noise of a tachometer whose speeds are used as they are read.
-
-        Args:
-            std: of a sample, rad/s.
-            t: times of rows, s.
-            samples: how many of them have one.
-            shows: density from which on it shows in the base's rate, rad/s/sqrt(Hz).
-        """
-        density = float(std * np.sqrt((t[-1] - t[0]) / samples))
-        waves = waves_of_noise(t.size) and density >= shows
-        return cls(density if waves else 0.0, std)
-
-    @classmethod
-    def undeclared(cls, column: Float[np.ndarray, " samples"]) -> "RateNoise":
-        """Noise of a rate that is used as it was read, as its column shows it.
-
-        Args:
-            column: rad/s; NaN where there is no sample.
-        """
-        rate = column[np.isfinite(column)]
-        if rate.size <= ORDER:
-            return cls(0.0, 0.0)
-        std = float(white_std_of(np.diff(rate, n=ORDER), ORDER))
-        return cls(0.0, std if std > ROUNDED * float(rate.std()) else 0.0)
-
-
-NO_NOISE = RateNoise(0.0, 0.0)
+    by: str
+    factor: float
+    offset: float
 
 
 class Histories(NamedTuple):
@@ -109,6 +64,40 @@ class Histories(NamedTuple):
     noise: tuple[RateNoise, ...]
     """None where an angle is recorded. Where none is declared it is what the column
     shows, of a rate that is used as it was read."""
+
+    def held(self, at: Mapping[int, float]) -> "Histories":
+        """Those of joints some of which did not move.
+
+        Args:
+            at: by the number of a joint, where it was, rad or m.
+        """
+        q, qd = list(self.positions), list(self.rates)
+        for k, place in at.items():
+            q[k], qd[k] = np.full_like(q[k], place), np.zeros_like(qd[k])
+        return self._replace(positions=tuple(q), rates=tuple(qd))
+
+    def led(self, by: Mapping[str, Lead], names: Sequence[str]) -> "Histories":
+        """Those of joints some of which move as others.
+
+        Args:
+            by: what moves those that follow.
+            names: of all joints.
+        """
+        at = {name: k for k, name in enumerate(names)}
+        q, qd = list(self.positions), list(self.rates)
+        shares, worst = list(self.shares), list(self.worst)
+        for name, (leader, factor, offset) in by.items():
+            k, other = at[name], at[leader]
+            q[k], qd[k] = factor * q[other] + offset, factor * qd[other]
+            of_q, of_qd = worst[other]
+            worst[k] = abs(factor) * of_q, abs(factor) * of_qd
+            shares[k] = shares[other]
+        return self._replace(
+            positions=tuple(q),
+            rates=tuple(qd),
+            shares=tuple(shares),
+            worst=tuple(worst),
+        )
 
 
 def histories(
@@ -376,7 +365,7 @@ def _trembling(
     turning = np.array([joint.kind == "revolute" for joint in robot.joints])
     noise = robot.sensors.of("gyro").white_std(dt)
     at = inertia_at(robot, (q.low + q.high) / 2)
-    axes = [2] if robot.motion == "planar" else [0, 1, 2]
+    axes = list(robot.conserved_axes[0])
     # h = D w + D_q qd stays: w = -D^-1 D_q qd (Eq. 3).
     turns = np.linalg.solve(at.D[np.ix_(axes, axes)], at.D_q[axes])
     fastest = np.maximum(qd.high, -qd.low)

@@ -12,22 +12,21 @@ from orbident.model.core_robot import wheels_of
 from orbident.preprocessing.base_motion import (
     PointVelocity,
     base_motion,
-    least_speed_noise,
     point_velocity,
+    with_first_attitude,
 )
 from orbident.preprocessing.delays import delays
-from orbident.preprocessing.first_attitude import with_first_attitude
-from orbident.preprocessing.followers import Lead, as_one_motion, one_motion
+from orbident.preprocessing.followers import one_motion
 from orbident.preprocessing.histories import (
     Columns,
-    Histories,
+    Lead,
     Range,
-    RateNoise,
     held_joints,
     histories,
 )
 from orbident.preprocessing.integrals import bias_response
 from orbident.preprocessing.origins import BIASED, Origin
+from orbident.preprocessing.rate_noise import RateNoise, least_speed_noise
 from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import (
     RecordedWrench,
@@ -259,7 +258,9 @@ def samples_of(
     head = {name: led[name].by if name in led else name for name in robot.joint_names}
     moving = {head[name] for name in robot.joint_names if name not in held}
     held = {name: x for name, x in held.items() if head[name] not in moving}
-    joints = as_one_motion(robot, _holding(joints, robot.joint_names, held), led)
+    number = {name: k for k, name in enumerate(robot.joint_names)}
+    joints = joints.held({number[name]: x for name, x in held.items()})
+    joints = joints.led(led, robot.joint_names)
     x_WB = base.x_WB
     if _stood_anyhow(robot, base.origins["attitude"], point):
         x_WB = with_first_attitude(
@@ -294,17 +295,6 @@ def _stood_anyhow(robot: Robot, attitude: Origin, point: PointVelocity) -> bool:
     """Whether nobody saw the attitude, and S was seen in inertial axes of any kind."""
     unseen = robot.motion == "spatial" and attitude is Origin.INTEGRATED_GYRO
     return unseen and bool(point.v_S) and not point.origin & BIASED
-
-
-def _holding(
-    joints: Histories, names: tuple[str, ...], held: Mapping[str, float]
-) -> Histories:
-    q, qd = [], []
-    for name, position, rate in zip(names, joints.positions, joints.rates, strict=True):
-        still = name in held
-        q.append(np.full_like(position, held[name]) if still else position)
-        qd.append(np.zeros_like(rate) if still else rate)
-    return joints._replace(positions=tuple(q), rates=tuple(qd))
 
 
 def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:

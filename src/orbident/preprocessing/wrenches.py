@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.model.rotations import quaternion_matrix, rotate_back
 from orbident.preprocessing.histories import Columns
 from orbident.recordings.no_measurements import SURROUNDINGS
 from orbident.recordings.recording import Recording
@@ -90,11 +90,9 @@ def _by_orbit(
     except InputError as error:
         raise InputError(f"{recording.source}: {error}") from None
     # Where the attitude is not known, neither is what is seen from the base.
-    R_WB = quaternion_matrix(np.column_stack(x_WB))
+    R_BW = Rotation.from_quat(np.column_stack(x_WB)).inv()
     return {
-        name: rotate_back(R_WB, vectors)
-        for name, vectors in inertial.items()
-        if name in names
+        name: R_BW.apply(vectors) for name, vectors in inertial.items() if name in names
     }
 
 

@@ -350,6 +350,16 @@ class Robot:
         return float(self.theta[:, 0].sum())
 
     @property
+    def conserved_axes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """The base axes of angular and of linear momentum that are conserved.
+
+        All; on a table (planar motion) z of the one, x and y of the other.
+        """
+        if self.motion == "planar":
+            return (2,), (0, 1)
+        return (0, 1, 2), (0, 1, 2)
+
+    @property
     def said_to_act(self) -> tuple[str, ...]:
         """The groups of disturbances that a file names: pads float on a film."""
         film = ("drag",) if self.pads and self.motion == "planar" else ()

@@ -12,7 +12,8 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS as CLOCKS
-from orbident.preprocessing.followers import Lead, encoders_elsewhere, one_motion
+from orbident.preprocessing.followers import encoders_elsewhere, one_motion
+from orbident.preprocessing.histories import Lead
 from orbident.preprocessing.samples import samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Coupling, Robot

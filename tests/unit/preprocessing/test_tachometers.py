@@ -5,9 +5,13 @@ import pytest
 from clean_recordings import clean_space
 
 import orbident as oi
-from orbident.preprocessing.base_motion import least_speed_noise, rate_noise
-from orbident.preprocessing.histories import Histories, RateNoise, histories
+from orbident.preprocessing.histories import Histories, histories
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.rate_noise import (
+    RateNoise,
+    least_speed_noise,
+    rate_noise,
+)
 from orbident.preprocessing.screening import screened
 from orbident.preprocessing.smoothing import Settings
 from orbident.robot.sensor_schema import EncoderSpec

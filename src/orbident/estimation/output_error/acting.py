@@ -48,6 +48,7 @@ from orbident.estimation.unknowns import Unknown
 from orbident.model.kinematics import first_moments
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.rate_noise import waves_of_noise
 from orbident.preprocessing.samples import OutsideMomentum, Samples
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import MayAct
@@ -111,6 +112,7 @@ class Followed:
             samples.pushed,
             self.allowed,
             tuple(each.density for each in samples.speeds),
+            waves_of_noise(t[::2].size),
             self._between(self.intervals.t, self.predicted) if self.predicted else None,
         )
 

@@ -13,7 +13,6 @@ import numpy as np
 from orbident.environment.agents import FREE
 from orbident.estimation.output_error.sensors import torque_column
 from orbident.estimation.unknowns import Unknown
-from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.tolerances import CALIBRATION_KINDS
 from orbident.robot.units import BY_KIND, si_unit
@@ -119,7 +118,7 @@ def _axes_that_show(
     In the plane, a misaligned gyro's z axis still shows all of the rate. Clocks are
     behind that of the gyro, or of the attitude where there is no gyro.
     """
-    turning, moving = conserved_axes(robot)
+    turning, moving = robot.conserved_axes
     gyro, attitude, position, velocity = (
         name in recorded for name in ("gyro", "attitude", "position", "velocity")
     )

@@ -14,9 +14,8 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.gaussian import noisiest_std
 from orbident.model.kinematics import principal_inertias
-from orbident.model.minimal_sets import conserved_axes
-from orbident.preprocessing.base_motion import momentum_noise
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.rate_noise import momentum_noise
 from orbident.preprocessing.samples import Samples, wheels_momentum
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import AccelerometerSpec, GyroSpec
@@ -94,7 +93,7 @@ def looseness(
     seen = {"attitude"} if robot.motion == "planar" else {"attitude", *TRACKED}
     if seen & sensors.by_name.keys():
         # Nothing would hold a planar base's tilt, and it is none.
-        turns[list(conserved_axes(robot)[0])] = np.pi
+        turns[list(robot.conserved_axes[0])] = np.pi
     walks = []
     for name in ("gyro", "accelerometer"):
         sensed = sensors.by_name.get(name)

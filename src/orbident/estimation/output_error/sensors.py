@@ -19,9 +19,8 @@ from orbident.environment.agents import WALKS
 from orbident.files.bounds import TOGETHER
 from orbident.gaussian import noisiest_std
 from orbident.model.kinematics import inertia_at
-from orbident.model.minimal_sets import conserved_axes
-from orbident.preprocessing.base_motion import rate_noise, same_sign
-from orbident.preprocessing.histories import RateNoise
+from orbident.preprocessing.base_motion import same_sign
+from orbident.preprocessing.rate_noise import RateNoise, rate_noise
 from orbident.preprocessing.rates import through_gaps
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.columns import VECTORS
@@ -272,7 +271,7 @@ def lasting_noise(
 ) -> Lasting:
     """What lasts of the noise of the axes that count, and rates that walk."""
     lasting = np.zeros((2, 3, 4))
-    for k, (name, axes) in enumerate(zip(TRACKERS, conserved_axes(robot), strict=True)):
+    for k, (name, axes) in enumerate(zip(TRACKERS, robot.conserved_axes, strict=True)):
         sensed = sensors.by_name.get(name)
         if sensed is not None:
             lasting[k, axes, :RATE_WALK] = np.transpose(sensed.coloured)[list(axes)]

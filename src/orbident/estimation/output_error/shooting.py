@@ -13,7 +13,6 @@ from orbident.estimation.output_error.sensors import (
     some_of,
 )
 from orbident.model.kinematics import inertia_at, principal_inertias
-from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.samples import Samples, wheels_momentum
 from orbident.robot.description import Robot
@@ -214,7 +213,7 @@ def _halvings(robot: Robot, samples: Samples, sensors: Sensors) -> int:
     e = encoders.std * np.sqrt(share)
     w = float(np.pi * share.max(initial=0.0) / np.median(np.diff(samples.t)))
     q = np.array([np.nanmean(x) if x.size else 0.0 for x in samples.q])
-    at, (turning, moving) = inertia_at(robot, q), map(list, conserved_axes(robot))
+    at, (turning, moving) = inertia_at(robot, q), map(list, robot.conserved_axes)
     turns = np.linalg.solve(at.D[np.ix_(turning, turning)], at.D_q[turning])
     turned = float(np.max(np.linalg.norm(turns, axis=0) * e, initial=0.0))
     moved = float(np.max(np.linalg.norm(at.J_cm[moving], axis=0) * e, initial=0.0))

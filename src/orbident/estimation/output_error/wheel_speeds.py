@@ -26,7 +26,7 @@ from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.model.core_robot import wheels_of
-from orbident.preprocessing.base_motion import rate_noise
+from orbident.preprocessing.rate_noise import rate_noise
 from orbident.preprocessing.samples import Samples
 
 GYRO = "gyro"

@@ -11,8 +11,8 @@ from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.preprocessing.base_motion import declared_rate_noise
 from orbident.preprocessing.origins import ENCODED, Origin
+from orbident.preprocessing.rate_noise import declared_rate_noise
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.stretches import (
