@@ -22,7 +22,7 @@ def test_a_drawn_mistake_is_named(case: Case):
     assert found.named, found
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_hard_push_is_no_late_clock():
     found = row(Case(751, "table 73681", "thruster burst"))
     assert found.score.outcome == "right", found

@@ -89,7 +89,11 @@ def test_refusals_name_the_true_cause(rows: list[Row]):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    ["joint2 zero off 20 mrad", "joint2 scale 1 %", "gyro scale 1 %"],
+    [
+        pytest.param("joint2 zero off 20 mrad", marks=pytest.mark.long),
+        pytest.param("joint2 scale 1 %", marks=pytest.mark.long),
+        "gyro scale 1 %",
+    ],
 )
 def test_a_cause_is_named_beside_usual_tolerances(name: str):
     """An error of twenty tolerances is found, and the residuals are as noise."""

@@ -104,7 +104,7 @@ def errors_of(seed: int, duration: float) -> np.ndarray:
     return (result.base.values - beta) / result.base.std
 
 
-@pytest.mark.parametrize("seed", [slow(219), 427])
+@pytest.mark.parametrize("seed", [pytest.param(219, marks=pytest.mark.long), 427])
 def test_all_that_acts_on_a_table_for_long(seed: int):
     """Both recordings had been refused: a slow torque was only followed for as many
     swings as half a minute has, and an uneven floor pulled at the CM of CAD."""

@@ -57,7 +57,11 @@ def test_a_burst_is_identified(name: str):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method"),
-    [(SPACE, "structured"), (SPACE, "recursive"), (TABLE, "least-squares")],
+    [
+        pytest.param(SPACE, "structured", marks=pytest.mark.long),
+        (SPACE, "recursive"),
+        (TABLE, "least-squares"),
+    ],
 )
 def test_other_methods_leave_the_burst_out(name: str, method: Method):
     result = identified(burst(1.0, AT, FOR)(clean(name)), method)

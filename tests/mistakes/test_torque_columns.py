@@ -94,7 +94,7 @@ def test_where_torques_say_too_little():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("times", [0.5, 1.41])
+@pytest.mark.parametrize("times", [pytest.param(0.5, marks=pytest.mark.long), 1.41])
 def test_a_scale_beyond_its_tolerance(times: float):
     """As an amplifier's root mean square is of its peak; no unit is so far off."""
     known, shown = flown("space 4")

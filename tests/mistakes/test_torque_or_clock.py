@@ -68,7 +68,9 @@ def test_a_torque_for_ten_seconds_is_found(size: str):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["table 5", "table 9"])
+@pytest.mark.parametrize(
+    "name", ["table 5", pytest.param("table 9", marks=pytest.mark.long)]
+)
 def test_a_late_attitude_without_a_gyro(name: str):
     """The other clocks are beside that of the attitude then, wherever it is tried."""
     clean, known = flight(name), recorded(flight(name), 0)

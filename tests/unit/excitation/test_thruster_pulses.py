@@ -79,7 +79,7 @@ def test_the_best_of_many_is_better_than_most(tmp_path: Path):
     assert made["starts"] == 8
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_in_space_with_wheels(tmp_path: Path):
     """Six thrusters on a box whose wheels spin: all ten parameters have a bound."""
     ways = [(k, s) for k in range(3) for s in (1.0, -1.0)]

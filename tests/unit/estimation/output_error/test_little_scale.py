@@ -57,7 +57,7 @@ def motion(robot: oi.Robot, tmp_path_factory: pytest.TempPathFactory) -> oi.Traj
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_a_good_recording_says_too_little_and_nothing_false(robot, motion, seed: int):
     result = oi.identify(robot, oi.simulate(robot, motion, noise="sensors", seed=seed))
     if result.status == "rejected":
