@@ -43,6 +43,9 @@ SHARED = {
     "position": ("position",),
 }
 
+APART = "joints", "attitude"
+"""Those that are corrected beside the gyro's before any fit."""
+
 Late = Mapping[str, float]
 
 
@@ -59,12 +62,12 @@ class Corrected(NamedTuple):
 
 def already_corrected(problem: MomentumProblem) -> Corrected | None:
     """The clocks that a refused problem is on already; None where as recorded."""
-    late = corrections(problem.clocks)
+    late = {name: d.late for name, d in problem.clocks.items() if d.believed}
     if not any(late.values()):
         return None
     clocks = {name: d._replace(believed=False) for name, d in problem.clocks.items()}
     recorded = replace(problem, clocks=clocks).amended()
-    words = _in_words({name: (late.get(name, 0.0), 0.0) for name in SHARED})
+    words = _in_words({name: (late.get(name, 0.0), 0.0) for name in APART})
     return Corrected(recorded, trial("", recorded), words)
 
 

@@ -1,17 +1,26 @@
 """Clocks that are late or early."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cause_problems import clean
 from small_problems import small_recording, small_robot
 
 from orbident.diagnosis.causes import causes
-from orbident.diagnosis.late_clocks import SHARED, _behind, clocks, far_off
+from orbident.diagnosis.late_clocks import (
+    SHARED,
+    _behind,
+    already_corrected,
+    clocks,
+    far_off,
+)
 from orbident.errors import InputError
 from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.preprocessing.delays import Delay
 from orbident.recordings.recording import Recording
 
 
@@ -54,6 +63,21 @@ def test_a_clock_that_is_off_by_the_whole_recording():
     late = dict.fromkeys(SHARED, 0.0) | {"position": 0.98}
     with pytest.raises(InputError, match="known together at 1 times"):
         OutputError().estimate(_behind(problem, late), lambda _: None)
+
+
+def test_a_clock_of_what_was_recorded():
+    """What shares a clock is not named: here nobody recorded a position."""
+    columns = {
+        name: column
+        for name, column in clean().recording.columns.items()
+        if not name.startswith("position")
+    }
+    recording = Recording(clean().recording.t, columns)
+    problem = momentum_problem(clean().robot, recording, "unknown", lambda _: None)
+    late = {"attitude": Delay(2e-3, 1e-5, True)}
+    corrected = already_corrected(replace(problem, clocks=late))
+    assert corrected is not None
+    assert corrected.cause == "the clock of the attitude is 2 ms late"
 
 
 def test_times_that_were_kept_as_float32():

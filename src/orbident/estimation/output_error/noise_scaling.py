@@ -109,7 +109,8 @@ def robust(
     weights: Float[np.ndarray, "rows axes"], residuals: Float[np.ndarray, "rows axes"]
 ) -> Float[np.ndarray, "rows axes"]:
     """Lower the weights of outliers among the whitened residuals (Huber 1964)."""
-    return weights * np.sqrt(HUBER / np.maximum(np.abs(residuals), HUBER))
+    # What does not count may have no residual that is a number.
+    return weights * np.sqrt(HUBER / np.fmax(np.abs(residuals), HUBER))
 
 
 def reweighted(

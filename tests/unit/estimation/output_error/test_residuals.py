@@ -90,6 +90,12 @@ def test_hubers_weights():
     np.testing.assert_allclose(again**2, [0.25, HUBER**2, HUBER * 100.0])
 
 
+def test_what_does_not_count_weighs_nothing():
+    """A late clock may turn an attitude that was never seen by more than there is."""
+    weights, residuals = np.array([[2.0], [0.0]]), np.array([[1.0], [np.nan]])
+    np.testing.assert_array_equal(robust(weights, residuals), weights)
+
+
 def test_weights_of_less_noise():
     random = np.random.default_rng(0)
     old = np.where(random.random((10, 3)) < 0.3, 0.0, 2.0)
