@@ -64,14 +64,14 @@ LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
-ANSWER = 1.6e5
+ANSWER = 1.3e5
 """Samples that a fit and a quick search go through together (`allowance.py`): some ten
 seconds of CPU. Then it gives up what it is at: an event takes ten fits."""
 
 BEGUN = 4e4
 """With fewer of these left, no further trial of a cause begins."""
 
-LEAST = 8e4
+LEAST = 6.5e4
 """So many a quick search has in any case."""
 
 
