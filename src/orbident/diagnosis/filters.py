@@ -56,7 +56,7 @@ def filters(problem: MomentumProblem) -> Iterator[Suspect]:
         }
         if shown:
             yield _filtered(what, shown)
-    for sensor in ("gyro", "position", "attitude"):
+    for sensor in ("gyro", "position", "velocity", "attitude"):
         if recording.has(f"{sensor}.x"):
             yield _filter_of(problem, sensor)
 

@@ -99,13 +99,14 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
         late |= {name: late[name] + error.value for name, error in errors.items()}
         # Without a gyro the others' clocks are beside that of the attitude.
         beside = 0.0 if "attitude" in errors else late["attitude"]
-        words = _in_words(
-            {
-                name: (late[name] - beside + corrected.get(name, 0.0), error.std)
-                for name, error in errors.items()
-            }
-        )
-        found = found._replace(cause=words, tolerable=True)
+        off = {
+            _of(problem, name): (
+                late[name] - beside + corrected.get(name, 0.0),
+                error.std,
+            )
+            for name, error in errors.items()
+        }
+        found = found._replace(cause=_in_words(off), tolerable=True)
         changes = [abs(error.value) for error in errors.values()]
         if found.accepted or not SETTLED < max(changes, default=0.0) < UNKNOWN:
             break
@@ -147,6 +148,13 @@ def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:
     return problem.amended(robot=replace(problem.robot, sensors=sensors))
 
 
+def _of(problem: MomentumProblem, name: str) -> str:
+    """The sensor whose clock it is: a tracker may show the velocity alone."""
+    if name == "position" and not problem.recording.has("position.x"):
+        return "velocity"
+    return name
+
+
 def _in_words(late: Mapping[str, tuple[float, float]]) -> str:
     sure = {name: s for name, (s, std) in late.items() if abs(s) > CLEAR * std}
     if len(sure) == len(late) > 1:
@@ -168,7 +176,7 @@ SMALL = 1e-5
 
 CLOCKS = {
     "joints": ("joint.", "wheel."),
-    "position": ("position.",),
+    "position": ("position.", "velocity."),
 }
 """Sensors that may have a clock of their own, and what their columns begin with."""
 
@@ -179,7 +187,7 @@ def fast_clocks(problem: MomentumProblem) -> Iterator[Suspect]:
         if not any(each.startswith(columns) for each in problem.recording.columns):
             continue
 
-        def words(c: Numbers, name: str = name) -> str:
+        def words(c: Numbers, name: str = _of(problem, name)) -> str:
             way = "fast" if c[0] > 0 else "slow"
             return f"the clock of the {name} runs {100 * abs(c[0]):.2g} % {way}"
 

@@ -7,6 +7,7 @@ import pytest
 from clean_recordings import RATE, Recorded, clean_space
 from random_motions import random_motion
 from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
 
 from orbident.estimation.identify import identify
 from orbident.recordings.recording import Recording
@@ -48,3 +49,25 @@ def test_the_clock_of_a_velocity_is_found(seconds: float):
     assert np.abs(known.z(result)).max() < 4.5
     exact = replace(known.robot, tolerances=Tolerances())
     assert identify(exact, known.recording).status != "ok"
+
+
+@pytest.mark.slow
+def test_a_velocity_that_is_far_too_late_is_named():
+    known = late(0.1)
+    exact = replace(known.robot, tolerances=Tolerances())
+    refused = identify(exact, known.recording).with_causes("quick")
+    assert "the clock of the velocity is 100 ms late" in refused.refusal()
+
+
+@pytest.mark.slow
+def test_a_velocity_behind_a_filter_is_named():
+    """Of first order: 60 ms late, and no more at once."""
+    known = late(0.0)
+    t, columns = known.recording.t, dict(known.recording.columns)
+    part = -np.expm1(-(t[1] - t[0]) / 0.06)
+    for name in (name for name in columns if name.startswith("velocity")):
+        start = columns[name][0]
+        columns[name] = start + lfilter([part], [1, part - 1], columns[name] - start)
+    refused = identify(known.robot, Recording(t, columns)).with_causes("quick")
+    assert "the samples of the velocity are" in refused.refusal()
+    assert "by a filter or by the clock" in refused.refusal()
