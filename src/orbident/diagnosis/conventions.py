@@ -173,7 +173,7 @@ UNITS_OF_TIME = (("ms (milliseconds)", 1e-3), ("minutes", 60.0))
 CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
 
 Matrix = Float[np.ndarray, "3 3"]
-Rates = Float[np.ndarray, "n 3"]
+Vectors = Float[np.ndarray, "n 3"]
 
 
 def conventions(problem: MomentumProblem) -> Iterator[Convention]:
@@ -193,6 +193,9 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
         for unit, size in UNITS_OF_LENGTH:
             words = f"the {point} is in {unit}"
             yield _times(point, size, words, scaled(("v_S",), size))
+    if recording.has("velocity.x", "attitude.x"):
+        in_base = "the velocity is in base axes, not in inertial ones"
+        yield _by_attitude("velocity", in_base, lambda R_WB, v: R_WB.apply(v))
     yield from shown.get("attitude", ())
     for unit, size in UNITS_OF_TIME:
         cause = f"the time is in {unit}, not in s"
@@ -234,9 +237,9 @@ def _gyro(robot: Robot, problem: MomentumProblem) -> Iterator[Convention]:
     yield _times("gyro", DEGREE, "the gyro is in degrees per second")
     if attitude:
         inertial = "the gyro is in inertial axes, not in the base's"
-        yield Convention(inertial, partial(_gyro_by, body_rates=_from_inertial_axes))
+        yield _by_attitude("gyro", inertial, lambda R_WB, w: R_WB.inv().apply(w))
         euler = "the gyro shows rates of Euler angles (roll, pitch and yaw)"
-        yield Convention(euler, partial(_gyro_by, body_rates=_from_euler_rates))
+        yield _by_attitude("gyro", euler, _from_euler_rates)
         yield from _by_ratio(problem)
 
 
@@ -361,26 +364,26 @@ def _changed(sensor: str, change: Change) -> Callable[[MomentumProblem], Recordi
     return written
 
 
-def _gyro_by(
-    problem: MomentumProblem, body_rates: Callable[[Rotation, Rates], Rates]
-) -> Recording:
-    """The gyro's samples as rates of the base, by the attitude that was recorded."""
-    t, w = problem.recording.t, problem.recording.vector("gyro")
-    x = problem.recording.vector("attitude", COMPONENTS["attitude"])
-    shown = np.isfinite(x).all(axis=1)
-    attitude = Slerp(t[shown], Rotation.from_quat(x[shown]))
-    first, last = t[shown][[0, -1]]
-    seen = np.isfinite(w).all(axis=1) & (t >= first) & (t <= last)
-    right = np.full_like(w, np.nan)
-    right[seen] = body_rates(attitude(t[seen]), w[seen])
-    return problem.recording.with_columns(of_vector("gyro", right))
+def _by_attitude(
+    sensor: str, cause: str, change: Callable[[Rotation, Vectors], Vectors]
+) -> Convention:
+    """A sensor's samples, changed by the attitude that was recorded."""
+
+    def written(problem: MomentumProblem) -> Recording:
+        t, shown = problem.recording.t, problem.recording.vector(sensor)
+        x = problem.recording.vector("attitude", COMPONENTS["attitude"])
+        known = np.isfinite(x).all(axis=1)
+        attitude = Slerp(t[known], Rotation.from_quat(x[known]))
+        first, last = t[known][[0, -1]]
+        seen = np.isfinite(shown).all(axis=1) & (t >= first) & (t <= last)
+        right = np.full_like(shown, np.nan)
+        right[seen] = change(attitude(t[seen]), shown[seen])
+        return problem.recording.with_columns(of_vector(sensor, right))
+
+    return Convention(cause, written)
 
 
-def _from_inertial_axes(R_WB: Rotation, w: Rates) -> Rates:
-    return R_WB.inv().apply(w)
-
-
-def _from_euler_rates(R_WB: Rotation, rates: Rates) -> Rates:
+def _from_euler_rates(R_WB: Rotation, rates: Vectors) -> Vectors:
     """The rates of the base whose roll, pitch and yaw change at these rates.
 
     The base turns by yaw about `z`, then by pitch about `y`, then by roll about `x`.
