@@ -99,14 +99,9 @@ def clocks(problem: MomentumProblem, roughly: Late) -> Iterator[Trial]:
         late |= {name: late[name] + error.value for name, error in errors.items()}
         # Without a gyro the others' clocks are beside that of the attitude.
         beside = 0.0 if "attitude" in errors else late["attitude"]
-        off = {
-            _of(problem, name): (
-                late[name] - beside + corrected.get(name, 0.0),
-                error.std,
-            )
-            for name, error in errors.items()
-        }
-        found = found._replace(cause=_in_words(off), tolerable=True)
+        off = {name: late[name] - beside + corrected.get(name, 0.0) for name in errors}
+        words = {_of(problem, name): (off[name], errors[name].std) for name in errors}
+        found = found._replace(cause=_in_words(words), tolerable=True)
         changes = [abs(error.value) for error in errors.values()]
         if found.accepted or not SETTLED < max(changes, default=0.0) < UNKNOWN:
             break

@@ -65,15 +65,17 @@ class Histories(NamedTuple):
     """None where an angle is recorded. Where none is declared it is what the column
     shows, of a rate that is used as it was read."""
 
-    def held(self, at: Mapping[int, float]) -> "Histories":
+    def held(self, at: Mapping[str, float], names: Sequence[str]) -> "Histories":
         """Those of joints some of which did not move.
 
         Args:
-            at: by the number of a joint, where it was, rad or m.
+            at: where these are held, rad or m.
+            names: of all joints.
         """
         q, qd = list(self.positions), list(self.rates)
-        for k, place in at.items():
-            q[k], qd[k] = np.full_like(q[k], place), np.zeros_like(qd[k])
+        for k, name in enumerate(names):
+            if name in at:
+                q[k], qd[k] = np.full_like(q[k], at[name]), np.zeros_like(qd[k])
         return self._replace(positions=tuple(q), rates=tuple(qd))
 
     def led(self, by: Mapping[str, Lead], names: Sequence[str]) -> "Histories":

@@ -258,9 +258,7 @@ def samples_of(
     head = {name: led[name].by if name in led else name for name in robot.joint_names}
     moving = {head[name] for name in robot.joint_names if name not in held}
     held = {name: x for name, x in held.items() if head[name] not in moving}
-    number = {name: k for k, name in enumerate(robot.joint_names)}
-    joints = joints.held({number[name]: x for name, x in held.items()})
-    joints = joints.led(led, robot.joint_names)
+    joints = joints.held(held, robot.joint_names).led(led, robot.joint_names)
     x_WB = base.x_WB
     if _stood_anyhow(robot, base.origins["attitude"], point):
         x_WB = with_first_attitude(

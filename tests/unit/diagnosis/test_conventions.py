@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cause_problems import clean, problem_with
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.conventions import Convention, conventions
@@ -12,6 +13,8 @@ from orbident.diagnosis.linear_test import (
     CorrectedConvention,
     tried_conventions,
 )
+from orbident.estimation.momentum_problem import momentum_problem
+from orbident.recordings.recording import Recording
 
 
 def test_no_two_have_the_same_words():
@@ -76,6 +79,23 @@ def test_rates_of_euler_angles():
         }
     )
     assert "Euler" in tried_conventions(problem)[0].convention.cause
+
+
+def test_a_velocity_in_base_axes():
+    recording = clean().recording
+    t, x = recording.t, recording.vector("attitude", "xyzw")
+    v = CubicSpline(t, recording.vector("position")).derivative()(t)
+    v_B = Rotation.from_quat(x).inv().apply(v)
+    columns = {
+        name: column
+        for name, column in recording.columns.items()
+        if not name.startswith("position")
+    }
+    columns |= {f"velocity.{k}": v_B[:, i].copy() for i, k in enumerate("xyz")}
+    shown = Recording(t, columns)
+    problem = momentum_problem(clean().robot, shown, "unknown", lambda _: None)
+    cause = tried_conventions(problem)[0].convention.cause
+    assert cause == "the velocity is in base axes, not in inertial ones"
 
 
 def test_two_that_look_the_same_are_both_named():
