@@ -12,6 +12,7 @@ import logging
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import (
@@ -133,6 +134,9 @@ def _pool(workers: int) -> Iterator[Executor]:
         # One that an interrupt met as it began is not in the pool yet.
         for process in set(multiprocessing.active_children()) - others:
             process.kill()
+        if sys.version_info < (3, 11, 5):
+            # What is being sent to them would wait for ever (CPython's issue 94777).
+            vars(pool)["_call_queue"]._reader.close()
         # Without workers it takes no time, and leaves no semaphores behind, of which
         # Python would warn where an interrupt ends this process.
         pool.shutdown(wait=True, cancel_futures=True)

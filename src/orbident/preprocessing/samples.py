@@ -10,7 +10,6 @@ from jaxtyping import Bool, Float
 
 from orbident.model.core_robot import wheels_of
 from orbident.preprocessing.base_motion import (
-    PointVelocity,
     base_motion,
     point_velocity,
     with_first_attitude,
@@ -259,8 +258,10 @@ def samples_of(
     moving = {head[name] for name in robot.joint_names if name not in held}
     held = {name: x for name, x in held.items() if head[name] not in moving}
     joints = joints.held(held, robot.joint_names).led(led, robot.joint_names)
-    x_WB = base.x_WB
-    if _stood_anyhow(robot, base.origins["attitude"], point):
+    x_WB, gyro_alone = base.x_WB, base.origins["attitude"] is Origin.INTEGRATED_GYRO
+    seen = bool(point.v_S) and not point.origin & BIASED
+    if robot.motion == "spatial" and gyro_alone and seen:
+        # Nobody saw the attitude, and S was seen in inertial axes of any kind.
         x_WB = with_first_attitude(
             robot, joints.positions, joints.rates, base.w, x_WB, point.v_S
         )
@@ -287,12 +288,6 @@ def samples_of(
         source=recording.source,
         speeds=wheels.noise,
     )
-
-
-def _stood_anyhow(robot: Robot, attitude: Origin, point: PointVelocity) -> bool:
-    """Whether nobody saw the attitude, and S was seen in inertial axes of any kind."""
-    unseen = robot.motion == "spatial" and attitude is Origin.INTEGRATED_GYRO
-    return unseen and bool(point.v_S) and not point.origin & BIASED
 
 
 def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:
