@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 308,
-    "lines": 65_196,
-    "files of estimation": 56,
-    "lines of estimation": 13_426,
+    "files": 309,
+    "lines": 65_402,
+    "files of estimation": 57,
+    "lines of estimation": 13_608,
     "files with one user": 63,
     "imports below each other": 31,
     "numbers without a reason": 38,

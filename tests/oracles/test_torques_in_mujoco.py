@@ -24,6 +24,7 @@ from scipy.interpolate import CubicSpline
 from seventeen_flights import SPEED, robot_of
 
 from orbident import _core
+from orbident.choices import Method
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.core_robot import core_tree
@@ -195,6 +196,37 @@ def test_rotors_follow_from_torques(declared, std):
     error = np.diag(model.H_plus(q) - H)[joints]
     assert (np.abs(error) < FAR * std).all()
     assert (std < 0.03 * np.diag(H)[joints]).all()
+
+
+def by_other(method: Method, seed: int) -> tuple[Result, np.ndarray]:
+    """What another method makes of a flight with wheels and torques."""
+    plant = flown_robot(wheels=True)
+    recording = Flight(
+        plant, random_motion(plant, seed, 60.0, SPEED, "turning"), NOTHING
+    ).recorded(seed)
+    random = np.random.default_rng(seed)
+    cad = 1 + 0.1 * random.uniform(-1, 1, (len(plant.bodies), 1))
+    known = replace(plant, theta=cad * plant.theta, friction={})
+    result = identify(known, recording, method=method)
+    beta = minimal_sets(plant).beta(plant.theta)
+    return result, (result.base.values - beta) / result.base.std
+
+
+@pytest.mark.parametrize("method", ["structured", "recursive"])
+def test_identified_by_other_methods(method):
+    """Torques are equations of theirs too."""
+    result, base = by_other(method, 0)
+    assert result.status == "ok"
+    assert not any("torques" in note for note in result.notes)
+    assert np.abs(base).max() < FAR
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["structured", "recursive"])
+def test_intervals_of_other_methods_hold(method):
+    """Of 20 flights with wheels."""
+    off = np.concatenate([by_other(method, seed)[1] for seed in range(20)])
+    assert np.mean(np.abs(off) < 1.96) == pytest.approx(0.95, abs=0.05)
 
 
 @pytest.mark.long

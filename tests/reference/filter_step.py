@@ -47,14 +47,20 @@ def transition(
     integral = dt * turned / 2
     momentum = spread(state.nuisances[:n_h], h) + sample.h_given
     turn = noise.integrated * (-cross_matrix(momentum) @ integral)[np.ix_(h, h)]
-    back, bias = np.eye(n), np.arange(n_h + n_v, 2 * n_h + n_v)
+    driven = noise.driven.table
+    first = n_h + n_v + len(driven)
+    back, bias = np.eye(n), np.arange(first, first + n_h)
     back[np.ix_(np.arange(n_h), bias)] -= turn
-    speeds, last = np.arange(n_h, n_h + n_v), np.arange(n - n_v, n)
+    speeds, last = (
+        np.arange(n_h, n_h + n_v),
+        np.arange(bias[-1] + 1, bias[-1] + 1 + n_v),
+    )
     kicks = [
         (np.arange(n_h), noise.gyro * turn),
         (np.arange(n_h), noise.momentum_walk * np.sqrt(dt) * np.eye(n_h)),
         (speeds, noise.velocity_walk * np.sqrt(dt) * np.eye(n_v)),
         (bias, noise.gyro_walk * np.sqrt(dt) * np.eye(n_h)),
+        (np.arange(n_h + n_v, first), np.sqrt(dt) * np.diag(driven[:, 1])),
     ]
     if noise.accelerometer:
         back[np.ix_(speeds, last)] -= integral[np.ix_(v, v)]
@@ -104,8 +110,10 @@ def laws(robot: Robot, noise: Noise, state: State, sample: Sample, axes: Axes) -
     rhs_h = (R_BW @ sample.h_given - h_rw)[h] - D @ excess
     rhs_v = (R_BW @ sample.v_S)[v] + U @ excess
     R_h, R_v = R_BW[np.ix_(h, h)], R_BW[np.ix_(v, v)]
-    momentum = np.hstack([-R_h, none_h, -D, b_a, Y, no_phi, rhs_h[:, None]])
-    velocity = np.hstack([none_v, R_v, U, b_v, no_pi, W, rhs_v[:, None]])
+    K = len(noise.driven.table)
+    p_h, d_h, p_v, d_v = (np.zeros((x.size, k * K)) for x in (h, v) for k in (1, 5))
+    momentum = np.hstack([-R_h, none_h, p_h, -D, b_a, d_h, Y, no_phi, rhs_h[:, None]])
+    velocity = np.hstack([none_v, R_v, p_v, U, b_v, d_v, no_pi, W, rhs_v[:, None]])
     momentum_then = spread(state.nuisances[: h.size], h) + sample.h_given
     turn = (R_BW @ cross_matrix(momentum_then))[h]
     D_q, J_cm = D_q[h], J_cm[v]
@@ -158,15 +166,8 @@ def regressors(
     `Y pi` is the angular momentum about the CM and `-W phi` the velocity of the CM
     relative to S, of as many robots as determine all columns.
     """
-    random = np.random.default_rng(0)
-    may = np.zeros(robot.theta.size, dtype=bool)
-    may[list(robot.free_parameters)] = True
-    may, sizes = may.reshape(robot.theta.shape), np.abs(robot.theta).max(axis=0)
     axes, pis, phis, momenta, speeds = axes_of(sets), [], [], [], []
-    for _ in range(2 * len(sets.pi_of_beta) + 10):
-        theta = robot.theta * random.uniform(0.2, 2.0, robot.theta.shape)
-        none = may & (theta == 0.0)
-        theta += np.where(none, sizes * random.uniform(0.1, 1.0, theta.shape), 0.0)
+    for theta in robots_that_determine(robot, sets):
         at = system_motion(replace(robot, theta=theta), q, qd, w)
         pis.append(sets.pi(theta))
         phis.append(sets.phi(theta))
@@ -175,3 +176,18 @@ def regressors(
     Y = np.linalg.lstsq(np.array(pis), np.array(momenta), rcond=None)[0].T
     W = np.linalg.lstsq(np.array(phis), np.array(speeds), rcond=None)[0].T
     return Y, W
+
+
+def robots_that_determine(robot: Robot, sets: MinimalSets) -> list[np.ndarray]:
+    """As many `theta` as determine all columns of a regressor."""
+    random = np.random.default_rng(0)
+    may = np.zeros(robot.theta.size, dtype=bool)
+    may[list(robot.free_parameters)] = True
+    may, sizes = may.reshape(robot.theta.shape), np.abs(robot.theta).max(axis=0)
+    thetas = []
+    for _ in range(2 * len(sets.pi_of_beta) + 10):
+        theta = robot.theta * random.uniform(0.2, 2.0, robot.theta.shape)
+        none = may & (theta == 0.0)
+        theta += np.where(none, sizes * random.uniform(0.1, 1.0, theta.shape), 0.0)
+        thetas.append(theta)
+    return thetas

@@ -11,6 +11,7 @@ from segments import segment_of
 
 from orbident import _core
 from orbident.estimation.output_error.problem import SENSORS
+from orbident.estimation.recursive.driven_joints import DrivenJoints
 from orbident.estimation.recursive.filter import Extended, cad_prior
 from orbident.estimation.recursive.filter_input import declared_noise
 from orbident.robot.description import Robot
@@ -79,7 +80,8 @@ def core_calls(robot: Robot) -> list[Call]:
     filter_names = ("MinimalSets", "SensorNoise", "Filter")
     gyro = declared_sensors({"gyro": {"angle_random_walk": 1e-4}})
     walk = replace(robot, sensors=gyro)
-    noise = declared_noise(walk, 0.1, 1e-3)
+    driven = DrivenJoints(np.array([[0.0, *np.full(12, 0.1)]]), 10.0)
+    noise = declared_noise(walk, 0.1, 1e-3)._replace(driven=driven)
     kalman = calls.watch(filter_names, lambda: Extended.of(walk, noise))
     _filter(calls, walk, kalman, random)
     _excitation(calls, robot, made, kalman.sets.regressors.core, random)
@@ -157,7 +159,7 @@ def _filter(
 ) -> None:
     core, prior, make = kalman.core, cad_prior(robot), calls.make
     K, W = len(robot.joints), len(robot.wheels)
-    t, samples = np.arange(float(ROWS)), random.standard_normal((ROWS, 2 * K + W + 16))
+    t, samples = np.arange(float(ROWS)), random.standard_normal((ROWS, 2 * K + W + 17))
     state = make("Filter.start", core, prior.beta, prior.root, samples[0], np.ones(3))
     state, *_ = make("Filter.step", core, state, 0.0, samples[0])
     make("Filter.opened", core, state, np.eye(len(prior.beta)), 0.5)

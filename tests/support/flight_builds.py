@@ -8,6 +8,7 @@ import pytest
 from processes import finished
 from random_motions import random_motion
 
+from orbident.estimation.recursive.driven_joints import torques_of
 from orbident.identified.flight_export import export_flight
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
@@ -40,7 +41,9 @@ def exported_of(
     """Export the flight filter of a robot that has no file."""
     motion = random_motion(robot, duration=duration, seed=seed)
     recording = simulate(robot, motion, rate=rate, noise="sensors", seed=seed)
-    export_flight(robot, samples_of(robot, recording), None, folder)
+    samples = samples_of(robot, recording)
+    torques = torques_of(robot, recording, samples, {})
+    export_flight(robot, samples, torques, None, folder)
     return folder
 
 

@@ -20,7 +20,7 @@ OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
                         const Array& theta_of_, const Array& pi_of_beta_,
                         const Array& pi_of_products_, const Array& pairs_, int sigmas,
                         const Array& momentum_axes, const Array& velocity_axes,
-                        const SensorNoise& noise) {
+                        const SensorNoise& noise, const Array& driven_, double longest) {
   const int pis = sets.view().pis();
   const std::int64_t thetas = PER_BODY * robot.tree.view().bodies();
   const auto theta_of = input<2>("theta_of", theta_of_, {thetas, ANY});
@@ -45,12 +45,25 @@ OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
                      whole_numbers("pairs", pairs, sigmas),
                      {},
                      noise,
+                     {},
+                     longest,
                      pis,
                      sigmas,
                      iotas};
   // The columns of M and sigma alone.
   filter.pi_of_shown.first.resize(static_cast<std::size_t>(sigmas) + 2);
   filter.axes.momenta = put_axes("momentum_axes", momentum_axes, filter.axes.momentum);
+  // Of each [joint, walk, still, known, std].
+  const auto driven = input<2>("driven", driven_, {ANY, 3 + 2 * DRIVES});
+  const int joints = robot.tree.view().joints;
+  for (std::ptrdiff_t k = 0; k < driven.size(0); ++k) {
+    const double* const row = driven.data() + k * (3 + 2 * DRIVES);
+    if (!(row[0] >= 0 && row[0] < joints)) throw nb::value_error("driven: there is no such joint");
+    DrivenJoint joint{static_cast<int>(row[0]), row[1], row[2], {}, {}};
+    std::copy(row + 3, row + 3 + DRIVES, joint.known);
+    std::copy(row + 3 + DRIVES, row + 3 + 2 * DRIVES, joint.std);
+    filter.driven.push_back(joint);
+  }
   filter.axes.velocities = put_axes("velocity_axes", velocity_axes, filter.axes.velocity);
   return filter;
 }

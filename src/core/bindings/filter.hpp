@@ -36,15 +36,22 @@ struct OwnedFilter {
   std::vector<int> pair;
   ConservedAxes axes;
   SensorNoise noise;
+  std::vector<DrivenJoint> driven;
+  double longest;
   int pis, sigmas, iotas;
 
   FilterModel view() const {
-    return {{robot.view(), sets.view(), theta_of.view(), axes, noise},
+    return {{robot.view(),
+             sets.view(),
+             theta_of.view(),
+             axes,
+             noise,
+             {driven.data(), static_cast<int>(driven.size()), longest}},
             {pi_of_shown.view(), pi_of_products.view(), pair.data(), pis, sigmas, iotas}};
   }
   int measured() const {
     return measurement_size(static_cast<int>(robot.tree.joints.size()),
-                            static_cast<int>(robot.wheels.size()));
+                            static_cast<int>(robot.wheels.size()), static_cast<int>(driven.size()));
   }
 };
 
@@ -95,7 +102,8 @@ using SharedState = std::shared_ptr<OwnedState>;
 inline void check_state(const FilterSizes& size, const OwnedState& state) {
   const FilterSizes& of = state.size;
   if (size.nuisances != of.nuisances || size.parameters != of.parameters ||
-      size.shown != of.shown || size.iotas != of.iotas || size.rows != of.rows)
+      size.shown != of.shown || size.iotas != of.iotas || size.rows != of.rows ||
+      size.driven != of.driven)
     throw nb::value_error("state: it is of another filter");
 }
 
@@ -109,7 +117,8 @@ inline void check_watch(int rows, int window) {
 OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
                         const Array& theta_of, const Array& pi_of_beta, const Array& pi_of_products,
                         const Array& pairs, int sigmas, const Array& momentum_axes,
-                        const Array& velocity_axes, const SensorNoise& noise);
+                        const Array& velocity_axes, const SensorNoise& noise, const Array& driven,
+                        double longest);
 
 // The parts of a state, as properties of a Python class.
 void bind_filter_state(nb::module_& m);

@@ -30,9 +30,9 @@ class Gathering {
         parameters_(reduced_ ? size_.betas() : size_.parameters),
         stride_(size_.row_stride()),
         R_stride_(reduced_ ? size_.beta_stride() : size_.R_stride()),
-        block_(std::max<std::ptrdiff_t>(NUMBERS / (size_.rows * stride_), HALVES)),
+        block_(std::max<std::ptrdiff_t>(NUMBERS / (size_.all_rows() * stride_), HALVES)),
         rooms_{Room(model_), Room(model_)},
-        table_(static_cast<std::size_t>((block_ * size_.rows + 1) * stride_)),
+        table_(static_cast<std::size_t>((block_ * size_.all_rows() + 1) * stride_)),
         other_(static_cast<std::size_t>(parameters_ * R_stride_)),
         equations_(static_cast<std::size_t>(block_)) {}
 
@@ -50,10 +50,10 @@ class Gathering {
         for (std::ptrdiff_t half = from; half < to; ++half) {
           const std::ptrdiff_t begin = n * half / HALVES, end = n * (half + 1) / HALVES;
           fold(triangle(half), R_stride_, rows(begin) + size_.nuisances, stride_,
-               static_cast<int>(end - begin) * size_.rows, R_stride_, parameters_);
+               static_cast<int>(end - begin) * size_.all_rows(), R_stride_, parameters_);
         }
       }, 1);
-      for (std::ptrdiff_t row = 0; row < n * size_.rows; ++row)
+      for (std::ptrdiff_t row = 0; row < n * size_.all_rows(); ++row)
         add(rows(0) + row * stride_ + size_.nuisances);
     }
     for (int first = 0; first < parameters_; first += BLOCK) {
@@ -81,7 +81,7 @@ class Gathering {
 
   FilterRoom& room(std::ptrdiff_t half) { return rooms_[static_cast<std::size_t>(half)].at; }
   double* rows(std::ptrdiff_t k) {
-    return table_.data() + size_.row_start() + k * size_.rows * stride_;
+    return table_.data() + size_.row_start() + k * size_.all_rows() * stride_;
   }
   double* triangle(std::ptrdiff_t half) {
     return half ? other_.data() : reduced_ ? state_.root : state_.R;
@@ -101,12 +101,13 @@ class Gathering {
 
   void take_nuisances(double t, const Measurement& at, std::ptrdiff_t k) {
     if (counts(model_, state_, t, at) != Counts::yes) {
-      std::fill_n(rows(k), size_.rows * stride_, 0.0);
+      std::fill_n(rows(k), size_.all_rows() * stride_, 0.0);
       return;
     }
     const SampleEquations& sample = equations_[static_cast<std::size_t>(k)];
-    take_nuisances_in(model_, state_, t, at.w, sample, rows(k), room(0));
+    take_nuisances_in(model_, state_, t, at, sample, rows(k), room(0));
     found_.rows += sample.moving ? size_.rows : model_.laws.axes.momenta;
+    for (int i = 0; i < size_.driven; ++i) found_.rows += std::isfinite(at.impulse[i]);
   }
 
   // What is left of a row of the parameters.

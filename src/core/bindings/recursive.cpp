@@ -193,7 +193,8 @@ void bind_recursive(nb::module_& m) {
   nb::class_<OwnedFilter>(m, "Filter", "The recursive filter of one robot and its sensors.")
       .def(nb::new_(&make_filter), nb::kw_only(), nb::arg("robot"), nb::arg("sets"),
            nb::arg("theta_of"), nb::arg("pi_of_beta"), nb::arg("pi_of_products"), nb::arg("pairs"),
-           nb::arg("sigmas"), nb::arg("momentum_axes"), nb::arg("velocity_axes"), nb::arg("noise"))
+           nb::arg("sigmas"), nb::arg("momentum_axes"), nb::arg("velocity_axes"), nb::arg("noise"),
+           nb::arg("driven"), nb::arg("longest"))
       .def("start", &start_of, nb::arg("beta"), nb::arg("root"), nb::arg("sample"),
            nb::arg("h_cm").none())
       .def("opened", &opened, nb::arg("state"), nb::arg("change"), nb::arg("t") = nb::none())

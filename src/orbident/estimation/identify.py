@@ -16,6 +16,7 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares, Structured
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.sensors import joints_with_torques
 from orbident.estimation.parameter_checks import BURN, is_a_mass
 from orbident.estimation.pushes import with_push
 from orbident.estimation.quantities import Quantity
@@ -113,7 +114,7 @@ def identify(
     if not isinstance(estimator, OutputError):
         instead = "use --method maximum-likelihood"
         require_measured(robot, f"method {estimator.name}", instead)
-    recordings = _recordings(recording, estimator)
+    recordings = _recordings(robot, recording, estimator)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
 
@@ -173,14 +174,16 @@ def _part(progress: Progress, k: int, recordings: int) -> Progress:
 
 
 def _recordings(
-    given: RecordingLike | Sequence[RecordingLike], estimator: Estimator
+    robot: Robot,
+    given: RecordingLike | Sequence[RecordingLike],
+    estimator: Estimator,
 ) -> list[Opened]:
     several = (
         [given] if isinstance(given, str) or not isinstance(given, Sequence) else given
     )
     if not several:
         raise InputError("no recording is given; name at least one")
-    return [_in_stretches(recording_of(each), estimator) for each in several]
+    return [_in_stretches(robot, recording_of(each), estimator) for each in several]
 
 
 def _judged(
@@ -202,10 +205,17 @@ def _judged(
     return replace(result, solved=solved)
 
 
-def _in_stretches(recording: Opened, estimator: Estimator) -> Opened:
-    """A long recording as the estimator can take it."""
+def _in_stretches(robot: Robot, recording: Opened, estimator: Estimator) -> Opened:
+    """A long recording as the estimator can take it.
+
+    Torques are followed from the first sample to the last.
+    """
     long = isinstance(recording, LongRecording)
-    if not isinstance(estimator, IN_STRETCHES):
+    in_stretches = isinstance(estimator, IN_STRETCHES)
+    if isinstance(estimator, Structured):
+        seen = recording.digest if long else recording
+        in_stretches = not joints_with_torques(robot, seen.with_joints_of(robot))
+    if not in_stretches:
         return recording.read() if long else recording
     if long or recording.t.size < LARGE:
         return recording

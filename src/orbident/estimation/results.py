@@ -225,9 +225,9 @@ def _unused_torques(
 ) -> list[str]:
     """Which torques do not count, and why; none where nothing was fitted."""
     shown = joints_with_torques(problem.robot, problem.recording)
-    if method != "maximum-likelihood":
+    if method == "least-squares":
         # An ideal flight shows them of every robot.
-        words = f"{method} leaves torques of joints out: maximum-likelihood takes them"
+        words = f"{method} leaves torques of joints out: other methods take them"
         return [words] if shown and problem.robot.sensors.torques else []
     left = [name for name in shown if name not in estimate.drives]
     if not left or estimate.goodness is None:

@@ -126,7 +126,7 @@ def _begun(
 
 
 def _obstacles(problem: MomentumProblem, estimator: Estimator) -> list[Check]:
-    """Only maximum likelihood takes torques of joints, or can go without positions.
+    """Only maximum likelihood has a scale by torques, or can go without positions.
 
     Without these nothing shows where the CM is, beside which a force turns the robot.
     """

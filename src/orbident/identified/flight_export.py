@@ -18,6 +18,7 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import known_momentum
+from orbident.estimation.recursive.driven_joints import Torques, torques_of
 from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
     Extended,
@@ -77,6 +78,9 @@ def robot_header(robot: Robot, kalman: Extended, detector: Detector) -> str:
         arrays.append(_list("orbident_joint", "JOINT", map(_joint, robot.joints)))
     if wheels:
         arrays.append(_list("orbident_wheel", "WHEEL", map(_wheel, robot.wheels)))
+    driven, longest = kalman.noise.driven
+    if len(driven):
+        arrays.append(_list("orbident_driven", "DRIVEN", map(_driven, driven)))
     body = "\n".join(arrays)
     named = {name: reference for name, (_, reference) in sparse.items()}
     # A number of this table, at least 1, that a float holds exactly.
@@ -88,6 +92,7 @@ def robot_header(robot: Robot, kalman: Extended, detector: Detector) -> str:
         f"ROBOT_PRODUCT, {len(tables['product']) // 2}, {named['theta_of_beta']}",
         f"{_axes(own.momentum_axes)}, {_axes(own.velocity_axes)}",
         f"{{{_reals(kalman.noise[:11])}}}, {int(kalman.noise.accelerometer)}",
+        f"{'ROBOT_DRIVEN' if len(driven) else '0'}, {len(driven)}, {_real(longest)}",
         f"{named['pi_of_shown']}, {named['pi_of_products']}",
         f"ROBOT_PAIR, {len(sets.pi_of_beta)}, {sigmas}, {iotas}",
         "ROBOT_BETA, ROBOT_ROOT, ROBOT_OPENING",
@@ -96,7 +101,7 @@ def robot_header(robot: Robot, kalman: Extended, detector: Detector) -> str:
     return Template(template_text("robot_h.txt")).substitute(
         memory=memory,
         state=state,
-        measured=2 * joints + wheels + 16,
+        measured=2 * joints + wheels + 16 + len(driven),
         betas=1 + sigmas + iotas,
         meaning="\n".join(_meaning(robot, kalman)),
         body=body,
@@ -131,6 +136,13 @@ def _joint(joint: Joint) -> str:
 
 def _wheel(wheel: Wheel) -> str:
     return f"{{{{{_reals(wheel.axis)}}}, {_real(wheel.inertia)}}}"
+
+
+def _driven(row: Float[np.ndarray, " numbers"]) -> str:
+    joint, walk, still, *drives = row
+    half = len(drives) // 2
+    known, std = (f"{{{_reals(part)}}}" for part in (drives[:half], drives[half:]))
+    return f"{{{int(joint)}, {_reals([walk, still])}, {known}, {std}}}"
 
 
 def _axes(axes: tuple[int, ...]) -> str:
@@ -196,6 +208,7 @@ class Flight(NamedTuple):
 def export_flight(
     robot: Robot,
     samples: Samples,
+    torques: Torques,
     h_cm: Float[np.ndarray, "3"] | None,
     folder: Path,
     force: bool = False,
@@ -203,16 +216,16 @@ def export_flight(
     """Write the filter of a robot and its sensors, and what it makes of a recording.
 
     The filter starts from nominal inertia, with 30 % uncertainty; the samples say how
-    noisy the sensors are, and are replayed. `h_cm` is the momentum where it is known,
-    inertial axes, N m s. With `force` the folder may be one that this function wrote;
-    what else is in it stays.
+    noisy the sensors are, and are replayed, with the torques at joints. `h_cm` is the
+    momentum where it is known, inertial axes, N m s. With `force` the folder may be one
+    that this function wrote; what else is in it stays.
 
     Raises:
         InputError: no sample is complete, or the folder holds something or cannot be
             written.
     """
     check_empty(folder, force)
-    given = filter_input_of(robot, samples)
+    given = filter_input_of(robot, samples, torques)
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
     seen = filter_history(robot, kalman, detector, given, h_cm)
@@ -300,8 +313,8 @@ def _rows(table: np.ndarray) -> str:
 
 def samples_for_flight(
     source: Result | Robot, recording: Recording
-) -> tuple[Robot, Samples, Float[np.ndarray, "3"] | None]:
-    """The robot, its samples as `identify` has them, and known momentum (N m s).
+) -> tuple[Robot, Samples, Torques, Float[np.ndarray, "3"] | None]:
+    """The robot, samples and torques as `identify` has them; known momentum (N m s).
 
     Of a result its robot, its clocks and its knowledge of the momentum count; of a
     robot's momentum nothing is known.
@@ -315,8 +328,10 @@ def samples_for_flight(
     clean = screened(robot, recording.with_joints_of(robot)).recording
     of_result = isinstance(source, Result)
     clocks = source.clocks if of_result else base_clocks(robot, clean)
-    samples = samples_of(robot, clean, corrections(clocks))
+    late = corrections(clocks)
+    samples = samples_of(robot, clean, late)
+    torques = torques_of(robot, clean, samples, late)
     if not of_result or source.initial_momentum != "at-rest":
-        return robot, samples, None
+        return robot, samples, torques, None
     known = known_momentum(robot, minimal_sets(robot), samples, "at-rest")
-    return robot, samples, None if known is None else np.asarray(known.h)
+    return robot, samples, torques, None if known is None else np.asarray(known.h)

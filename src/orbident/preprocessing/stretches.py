@@ -185,7 +185,10 @@ PACKED = 4096
 
 
 def packed_piece(
-    samples: Samples, rate: Float[np.ndarray, "samples 3"], times: tuple[float, float]
+    samples: Samples,
+    rate: Float[np.ndarray, "samples 3"],
+    times: tuple[float, float],
+    more: Float[np.ndarray, "samples more"] | None = None,
 ) -> Piece:
     """The samples that are complete and as good as they are said to be, one a row.
 
@@ -193,6 +196,7 @@ def packed_piece(
         samples: consecutive ones.
         rate: the smoothed base rate, rad/s.
         times: between these they are that good, s.
+        more: columns that need not be complete.
     """
     good = np.isfinite(rate).all(axis=1)
     good &= (samples.t >= times[0]) & (samples.t <= times[1])
@@ -202,6 +206,7 @@ def packed_piece(
         complete = at.turning & good[own]
         v_S = np.where(at.moving[:, None], at.v_S, np.nan)
         every = [at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate[own], at.h_given]
+        every += [] if more is None else [more[own]]
         kept.append(samples.t[own][complete])
         tables.append(np.hstack(every)[complete])
     return Piece(np.concatenate(kept), np.concatenate(tables))

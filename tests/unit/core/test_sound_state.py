@@ -9,8 +9,9 @@ from orbident import _core
 
 pytestmark = pytest.mark.core
 
-LINEAR = 32
-"""Where the count of hand_over.hpp is: behind t, w and R_WB, each padded to eights."""
+LINEAR = 40
+"""Where the count of hand_over.hpp is: behind t, w, impulses and R_WB, each padded to
+eights."""
 
 
 @pytest.fixture(scope="module")
@@ -22,8 +23,8 @@ def calls() -> dict[str, Call]:
 def test_every_number_of_a_state_is_looked_at(calls: dict[str, Call]):
     core, numbers = calls["Filter.restored"].arguments
     assert np.array_equal(core.restored(numbers).numbers, numbers)
-    for k in (0, *range(8, 11), *range(16, numbers.size)):
-        for bad in (np.inf, -np.inf) if k < 16 else (np.nan, np.inf):
+    for k in (0, *range(8, 11), 16, *range(24, numbers.size)):
+        for bad in (np.inf, -np.inf) if k < 24 else (np.nan, np.inf):
             spoilt = numbers.copy()
             spoilt[k] = bad
             with pytest.raises(ValueError, match="no state of a filter"):

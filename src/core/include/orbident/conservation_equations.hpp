@@ -48,6 +48,25 @@ struct ConservedAxes {
   constexpr int all() const { return momenta + velocities; }
 };
 
+// What a joint's torque drives beside the joint's momentum: the rotor's energy beyond that of
+// bodies (kg m^2), viscous and Coulomb friction, an offset of the torque, and its error in scale.
+enum Drive { armature, viscous, coulomb, offset, scale, DRIVES };
+
+// A joint whose torque is measured.
+struct DrivenJoint {
+  int joint;
+  Real walk;           // what the torque's noise adds to the momentum, N m s/sqrt(s)
+  Real still;          // slower the joint may stand, held by what no equation has, rad/s
+  Real known[DRIVES];  // beforehand; SI
+  Real std[DRIVES];    // and how surely
+};
+
+struct DrivenJoints {
+  const DrivenJoint* each;
+  int count;
+  Real longest;  // s from sample to sample over which a torque can be followed
+};
+
 // What the laws need of a robot; views of constant tables. The robot's own theta is not used.
 struct ConservationModel {
   Robot robot;
@@ -55,12 +74,16 @@ struct ConservationModel {
   Sparse theta_of;  // theta x beta
   ConservedAxes axes;
   SensorNoise noise;
-  // Nuisances x = [h_cm, v_cm, b_g, b_a] and linear parameters y = [pi, phi].
-  constexpr int gyro_bias() const { return axes.all(); }
-  constexpr int accelerometer_bias() const { return axes.all() + axes.momenta; }
-  constexpr int nuisances() const {
+  DrivenJoints driven;
+  // Nuisances x = [h_cm, v_cm, p, b_g, b_a, drives], with the momenta p of driven joints and what
+  // each of them drives, and linear parameters y = [pi, phi].
+  constexpr int joint_momentum() const { return axes.all(); }
+  constexpr int gyro_bias() const { return joint_momentum() + driven.count; }
+  constexpr int accelerometer_bias() const { return gyro_bias() + axes.momenta; }
+  constexpr int drives() const {
     return accelerometer_bias() + (noise.accelerometer ? axes.velocities : 0);
   }
+  constexpr int nuisances() const { return drives() + DRIVES * driven.count; }
   constexpr int parameters() const { return sets.pis() + sets.phis(); }
 };
 
@@ -74,29 +97,42 @@ struct Measurement {
   const Real* v_S;       // inertial axes, m/s
   const Real* w_smooth;  // the rate with less noise
   const Real* h_given;   // angular momentum that acted from outside so far, inertial axes, N m s
+  const Real* impulse;   // of each driven joint: its torque's integral so far, N m s
 };
 
-constexpr int measurement_size(int joints, int wheels) { return 2 * joints + wheels + 16; }
+constexpr int measurement_size(int joints, int wheels, int driven) {
+  return 2 * joints + wheels + 16 + driven;
+}
 
 inline Measurement measurement_at(const Robot& robot, const Real* packed) {
   const int n = robot.tree.joints;
   const Real* const w = packed + 2 * n;
   const Real* const v_S = w + 7 + robot.wheels;
-  return {packed, packed + n, w, w + 3, w + 7, v_S, v_S + 3, v_S + 6};
+  return {packed, packed + n, w, w + 3, w + 7, v_S, v_S + 3, v_S + 6, v_S + 9};
 }
 
 inline Vector given_momentum(const Measurement& at) {
   return Vector(at.h_given[0], at.h_given[1], at.h_given[2]);
 }
 
+// What the gyro's rate has beside the smoothed one.
+inline Vector rate_excess(const ConservedAxes& axes, const Measurement& at) {
+  Vector excess = Vector::Zero();
+  for (int k = 0; k < axes.momenta; ++k)
+    excess[axes.momentum[k]] = at.w[axes.momentum[k]] - at.w_smooth[axes.momentum[k]];
+  return excess;
+}
+
 // Memory for the rows of one sample; the caller's.
 struct EquationMemory {
   Bodies<Real> bodies;
-  Real* theta;    // bodies x 10
-  Real* columns;  // S, P and A: 3 x 3 x theta; zero before the first sample
-  Real* sigma;    // 3 x phi
-  Real* Y;        // 3 x pi
-  Real* W;        // 3 x phi
+  Real* theta;     // bodies x 10
+  Real* columns;   // S, P and A: 3 x 3 x theta; zero before the first sample
+  Real* sigma;     // 3 x phi
+  Real* Y;         // 3 x pi
+  Real* W;         // 3 x phi
+  Real* load;      // bodies x 6: [p, h] of each with all that it carries, about S
+  Real* by_joint;  // 3 x phi: how P_sigma changes with a joint
 };
 
 // Places and weighs the bodies of beta; D follows from what all of them weigh.
@@ -152,7 +188,7 @@ inline EquationNoise equation_noise(const ConservationModel& model, const Bodies
   return of;
 }
 
-// The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are
+// The rows [x, pi, phi | right-hand side], momentum first; the velocity's are
 // zero where v_S was not measured. D, U and the noise's gains are evaluated at beta and h. Returns
 // the noise of these rows, which are not yet whitened.
 inline EquationNoise conservation_equations(const ConservationModel& model, const Real* beta,
@@ -167,12 +203,9 @@ inline EquationNoise conservation_equations(const ConservationModel& model, cons
   const Matrix U = -cross_matrix(all.r_cm);
 
   // In the plane the other two rates stay what was measured: zero.
-  Vector w(at.w[0], at.w[1], at.w[2]), excess = Vector::Zero();
-  for (int k = 0; k < axes.momenta; ++k) {
-    const int axis = axes.momentum[k];
-    excess[axis] = at.w[axis] - at.w_smooth[axis];
-    w[axis] = at.w_smooth[axis];
-  }
+  const Vector excess = rate_excess(axes, at);
+  Vector w(at.w[0], at.w[1], at.w[2]);
+  for (int k = 0; k < axes.momenta; ++k) w[axes.momentum[k]] = at.w_smooth[axes.momentum[k]];
   const int thetas = PER_BODY * tree.bodies(), pis = model.sets.pis(), phis = model.sets.phis();
   const Rows3<Real> S(memory.columns, 3, thetas), P(memory.columns + 3 * thetas, 3, thetas),
       A(memory.columns + 6 * thetas, 3, thetas);

@@ -18,7 +18,9 @@ struct FilterSizes {
   int parameters;  // y
   int shown;       // M and sigma
   int iotas;
-  int rows;  // of a sample
+  int rows;    // of a sample
+  int driven;  // joints with as many rows more, and as many again of what changes their momenta
+  constexpr int all_rows() const { return rows + 2 * driven; }
   constexpr int betas() const { return shown + iotas; }
   constexpr int top_stride() const { return padded(nuisances + parameters + 1); }
   constexpr int R_stride() const { return padded(parameters + 1); }
@@ -33,7 +35,8 @@ struct FilterModel {
   ConservationModel laws;
   ParametersOfBeta sets;
   constexpr FilterSizes sizes() const {
-    return {laws.nuisances(), sets.size(), sets.shown(), sets.iotas, laws.axes.all()};
+    return {laws.nuisances(), sets.size(),     sets.shown(),
+            sets.iotas,       laws.axes.all(), laws.driven.count};
   }
 };
 
@@ -49,24 +52,32 @@ struct Memory {
 };
 
 struct FilterState {
-  Real* t;       // of the last sample, s; NaN before the first
-  Real* w;       // the gyro's last sample, rad/s
-  Real* R_WB;    // 3 x 3, row-major
-  Real* linear;  // points in a row at which y(beta) was linear (hand_over.hpp)
-  Real* top;     // [N | Y | z], N x + Y y = z, N upper triangular
-  Real* R;       // [R | z], R y = z, upper triangular
-  Real* beta;    // the estimate [M, sigma, iota]
-  Real* x;       // the nuisances
-  Real* root;    // [iota, M, sigma | z], upper triangular: root^T root is beta's information
-  Real* prior;   // the same of what was known beforehand
+  Real* t;        // of the last sample, s; NaN before the first
+  Real* w;        // the gyro's last sample, rad/s
+  Real* impulse;  // of the last sample, of driven joints, N m s; NaN where none was
+  Real* R_WB;     // 3 x 3, row-major
+  Real* linear;   // points in a row at which y(beta) was linear (hand_over.hpp)
+  Real* q;        // the last position of driven joints,
+  Real* qd;       // and rate
+  Real* slope;    // rows [x | y | rhs] of how their energy changed with their positions then
+  Real* top;      // [N | Y | z], N x + Y y = z, N upper triangular
+  Real* R;        // [R | z], R y = z, upper triangular
+  Real* beta;     // the estimate [M, sigma, iota]
+  Real* x;        // the nuisances
+  Real* root;     // [iota, M, sigma | z], upper triangular: root^T root is beta's information
+  Real* prior;    // the same of what was known beforehand
 };
 
 constexpr FilterState state_in(const FilterSizes& size, Memory& memory) {
   FilterState state{};
   state.t = memory.take(1);
   state.w = memory.take(3);
+  state.impulse = memory.take(size.driven);
   state.R_WB = memory.take(9);
   state.linear = memory.take(1);
+  state.q = memory.take(size.driven);
+  state.qd = memory.take(size.driven);
+  state.slope = memory.take(size.driven, size.top_stride());
   state.top = memory.take(size.nuisances, size.top_stride());
   state.R = memory.take(size.parameters, size.R_stride());
   state.beta = memory.take(size.betas());
@@ -80,6 +91,7 @@ constexpr FilterState state_in(const FilterSizes& size, Memory& memory) {
 struct FilterRoom {
   EquationMemory equations;
   Real* rows;        // of a sample
+  Real* walk;        // of driven joints: deviation of what their momenta gain, N m s
   Real* kick;        // x and momenta by x
   Real* covariance;  // x by x
   Real* x;
@@ -101,8 +113,11 @@ constexpr FilterRoom room_in(const FilterModel& model, const Bodies<Real>& bodie
   room.equations.sigma = memory.take(3, model.laws.sets.phis());
   room.equations.Y = memory.take(3, model.laws.sets.pis());
   room.equations.W = memory.take(3, model.laws.sets.phis());
-  room.rows = memory.take(size.rows + 1, size.row_stride());
+  room.equations.load = memory.take(6, size.driven ? model.laws.robot.tree.bodies() : 0);
+  room.equations.by_joint = memory.take(3, size.driven ? model.laws.sets.phis() : 0);
+  room.rows = memory.take(size.all_rows() + 1, size.row_stride());
   if (room.rows) room.rows += size.row_start();
+  room.walk = memory.take(size.driven);
   room.kick = memory.take(size.nuisances + model.laws.axes.momenta, size.nuisances);
   room.covariance = memory.take(size.nuisances, size.nuisances);
   room.x = memory.take(size.nuisances);
@@ -126,6 +141,11 @@ inline void begin(const FilterModel& model, Real t, const Matrix& R_WB, const Re
   *state.t = t;
   *state.linear = 0.0;
   for (int i = 0; i < 3; ++i) state.w[i] = NOT_A_NUMBER;
+  for (int i = 0; i < size.driven; ++i) {
+    state.impulse[i] = NOT_A_NUMBER;
+    state.q[i] = state.qd[i] = 0;
+  }
+  for (int i = 0; i < size.driven * size.top_stride(); ++i) state.slope[i] = 0.0;
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
   for (long i = 0; i < static_cast<long>(n) * size.top_stride(); ++i) state.top[i] = 0.0;
   for (long i = 0; i < static_cast<long>(y) * size.R_stride(); ++i) state.R[i] = 0.0;
@@ -149,12 +169,17 @@ inline void begin(const FilterModel& model, Real t, const Matrix& R_WB, const Re
   Real h = 0.0;
   for (int i = 0; i < laws.axes.momenta; ++i) h += x[i] * x[i];
   h = std::sqrt(h);
-  const int b_g = laws.gyro_bias(), b_a = laws.accelerometer_bias();
+  const Real far = MOMENTUM_UNKNOWN * (h > 1 ? h : 1);
+  const int p = laws.joint_momentum(), b_g = laws.gyro_bias(), b_a = laws.accelerometer_bias();
+  const int drives = laws.drives();
   for (int i = 0; i < n; ++i) {
-    const Real std = i < laws.axes.momenta ? MOMENTUM_UNKNOWN * (h > 1 ? h : 1)
-                     : i < b_g             ? FASTEST
+    const Real std = i < laws.axes.momenta ? far
+                     : i < p               ? FASTEST
+                     : i < b_g             ? far
                      : i < b_a             ? laws.noise.gyro_bias
-                                           : laws.noise.accelerometer_bias;
+                     : i < drives
+                         ? laws.noise.accelerometer_bias
+                         : laws.driven.each[(i - drives) / DRIVES].std[(i - drives) % DRIVES];
     Real* const row = state.top + i * size.top_stride();
     state.x[i] = x[i];
     row[i] = 1 / std;
@@ -181,6 +206,8 @@ inline void start(const FilterModel& model, const Real* beta_0, const Real* root
   if (h_cm) h = Vector(h_cm[0], h_cm[1], h_cm[2]);
   Real* const x = room.x;
   for (int i = 0; i < size.nuisances; ++i) x[i] = 0.0;
+  for (int i = laws.drives(); i < size.nuisances; ++i)
+    x[i] = laws.driven.each[(i - laws.drives()) / DRIVES].known[(i - laws.drives()) % DRIVES];
   for (int i = 0; i < laws.axes.momenta; ++i) x[i] = h[laws.axes.momentum[i]];
   for (int i = 0; i < laws.axes.velocities; ++i) {
     const Real v = at.v_S[laws.axes.velocity[i]];

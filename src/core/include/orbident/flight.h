@@ -53,7 +53,9 @@ enum orbident_code {
 enum orbident_quantity {
   ORBIDENT_BETA = 0,       /* the base parameters [M, sigma, iota], kg, kg m, kg m^2 */
   ORBIDENT_DEVIATIONS = 1, /* their standard deviations */
-  ORBIDENT_NUISANCES = 2,  /* [h_cm, v_cm, b_g, b_a]: N m s, m/s, rad/s, m/s^2 */
+  ORBIDENT_NUISANCES = 2,  /* [h_cm, v_cm, p, b_g, b_a, drives]: N m s, m/s, N m s, rad/s, m/s^2; p
+                              of joints with torques, and of each [armature, viscous, Coulomb
+                              friction, offset, scale] (kg m^2, N m s, N m, N m, 1) */
   ORBIDENT_INNOVATION = 3  /* the last sample's, whitened; zero if it did not count */
 };
 
@@ -70,6 +72,15 @@ typedef struct orbident_wheel {
   orbident_real axis[3]; /* unit vector, base axes */
   orbident_real inertia; /* kg m^2 */
 } orbident_wheel;
+
+/* A joint whose torque is measured: conservation_equations.hpp. */
+typedef struct orbident_driven {
+  int joint;
+  orbident_real walk;     /* what the torque's noise adds to the momentum, N m s/sqrt(s) */
+  orbident_real still;    /* slower it may stand, rad/s or m/s */
+  orbident_real known[5]; /* armature, viscous and Coulomb friction, offset, scale: beforehand, */
+  orbident_real std[5];   /* and their deviations */
+} orbident_driven;
 
 /* By columns: column c has the entries first[c] .. first[c + 1] - 1. */
 typedef struct orbident_sparse {
@@ -89,10 +100,13 @@ typedef struct orbident_robot {
   const int* product; /* of Y: which of sigma are multiplied, in pairs */
   int products;
   orbident_sparse theta_of_beta;
-  int momentum[3], momenta;    /* base axes in which momentum is conserved, how many */
-  int velocity[3], velocities; /* and linear momentum */
-  orbident_real noise[11];     /* SensorNoise of conservation_equations.hpp, in its order */
-  int accelerometer;           /* whether the velocity is integrated from one */
+  int momentum[3], momenta;      /* base axes in which momentum is conserved, how many */
+  int velocity[3], velocities;   /* and linear momentum */
+  orbident_real noise[11];       /* SensorNoise of conservation_equations.hpp, in its order */
+  int accelerometer;             /* whether the velocity is integrated from one */
+  const orbident_driven* driven; /* joints with torques, */
+  int driven_joints;             /* how many, */
+  orbident_real longest;         /* and over how long they can be followed, s */
   orbident_sparse pi_of_shown, pi_of_products; /* parameters_of_beta.hpp */
   const int* pair;
   int pis, sigmas, iotas;
@@ -114,7 +128,8 @@ long orbident_state(const orbident_robot* robot);
 
 /* Begins at a first sample, which sets the momentum's scale and is not used up: step with it too.
  *   memory   `numbers` of them; best at a multiple of 64 bytes
- *   sample   [q, qd, w, x_WB, qd_rw, v_S, w_smooth, h_given], see conservation_equations.hpp
+ *   sample   [q, qd, w, x_WB, qd_rw, v_S, w_smooth, h_given, impulses], see
+ *            conservation_equations.hpp; an impulse is a torque's integral so far, N m s, or NaN
  *   h_cm     the momentum where it is known, inertial axes, N m s; else a null pointer
  * Returns ORBIDENT_DONE, _INCOMPLETE, _ABSURD or _DIVERGED, after which the array holds no filter,
  * or _NO_MEMORY. */

@@ -62,7 +62,7 @@ int orbident_init(const orbident_robot* robot, orbident_real* memory, long numbe
   using namespace orbident;
   flight::Layout at = flight::layout(*robot, memory);
   if (numbers < at.all) return ORBIDENT_NO_MEMORY;
-  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
+  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel, at.driven);
   for (long i = 0; i < at.carried; ++i) memory[i] = 0;
   if (h_cm && !is_finite(h_cm, 3)) return ORBIDENT_INCOMPLETE;
   *at.filter.t = NOT_A_NUMBER;
@@ -112,7 +112,7 @@ int orbident_step(const orbident_robot* robot, orbident_real* memory, orbident_r
   flight::Layout at = flight::layout(*robot, memory);
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
-  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
+  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel, at.driven);
   const int rows = at.size.rows;
   const Innovation innovation = step(model, at.filter, t, sample, at.room);
   for (int i = 0; i < rows; ++i) at.white[i] = innovation.white[i * innovation.stride];
@@ -141,7 +141,7 @@ int orbident_open(const orbident_robot* robot, orbident_real* memory, orbident_r
   flight::Layout at = flight::layout(*robot, memory);
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
-  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
+  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel, at.driven);
   if (!std::isfinite(t)) return ORBIDENT_INCOMPLETE;
   open_up(model, at.filter, t, robot->opening, at.opening, at.room);
   watch_nothing(at.watch);
@@ -155,7 +155,7 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   flight::Layout at = flight::layout(*robot, memory);
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
-  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
+  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel, at.driven);
   const FilterSizes& size = at.size;
   const Real* from = nullptr;
   int count = -1;

@@ -20,7 +20,7 @@ constexpr Sparse view(const orbident_sparse& table) {
 }
 
 constexpr FilterModel model_of(const orbident_robot& robot, const Joint* joints,
-                               const Wheel* wheels) {
+                               const Wheel* wheels, const DrivenJoint* driven) {
   const Real* const n = robot.noise;
   const ConservedAxes axes{{robot.momentum[0], robot.momentum[1], robot.momentum[2]},
                            robot.momenta,
@@ -41,14 +41,16 @@ constexpr FilterModel model_of(const orbident_robot& robot, const Joint* joints,
            sets,
            view(robot.theta_of_beta),
            axes,
-           noise},
+           noise,
+           {driven, robot.driven_joints, robot.longest}},
           of_beta};
 }
 
 // So many objects in the caller's numbers. Eigen's small matrices are numbers and nothing else.
 template <class T>
 constexpr T* objects(Memory& memory, int count) {
-  // A joint has two whole numbers beside its 33 numbers: as much with float as with double.
+  // A joint has two whole numbers beside its 33 numbers, and a driven one one beside 12: as much
+  // with float as with double.
   constexpr int EACH = sizeof(T) % sizeof(Real) == 0 && sizeof(T) / sizeof(Real) < 33
                            ? static_cast<int>(sizeof(T) / sizeof(Real))
                            : 35;
@@ -70,6 +72,7 @@ struct Layout {
   long carried;    // numbers so far
   Joint* joint;
   Wheel* wheel;
+  DrivenJoint* driven;
   FilterRoom room;
   Real* opening;
   long all;
@@ -94,6 +97,7 @@ constexpr Layout layout(const FilterModel& model, int window, Real* first) {
   at.carried = memory.used;
   at.joint = objects<Joint>(memory, robot.tree.joints);
   at.wheel = objects<Wheel>(memory, robot.wheels);
+  at.driven = objects<DrivenJoint>(memory, size.driven);
   Bodies<Real> of{};
   of.pose = objects<Pose<Real>>(memory, bodies);
   of.field = objects<Motion<Real>>(memory, bodies);
@@ -110,7 +114,7 @@ constexpr Layout layout(const FilterModel& model, int window, Real* first) {
 }
 
 constexpr Layout layout(const orbident_robot& robot, Real* first) {
-  return layout(model_of(robot, nullptr, nullptr), robot.window, first);
+  return layout(model_of(robot, nullptr, nullptr, nullptr), robot.window, first);
 }
 
 // The tables that are made of the constant one, and room that begins with zeros.
@@ -125,6 +129,14 @@ inline void prepare(const orbident_robot& robot, Real* memory, const Layout& at)
   for (int k = 0; k < robot.wheels; ++k) {
     const orbident_wheel& w = robot.wheel[k];
     new (at.wheel + k) Wheel{Vector(w.axis[0], w.axis[1], w.axis[2]), w.inertia};
+  }
+  for (int k = 0; k < robot.driven_joints; ++k) {
+    const orbident_driven& d = robot.driven[k];
+    new (at.driven + k) DrivenJoint{d.joint, d.walk, d.still, {}, {}};
+    for (int i = 0; i < DRIVES; ++i) {
+      at.driven[k].known[i] = d.known[i];
+      at.driven[k].std[i] = d.std[i];
+    }
   }
 }
 

@@ -38,12 +38,15 @@ inline void rows_of_beta(const FilterModel& model, const FilterState& state, Rea
   const FilterSizes size = model.sizes();
   const int iotas = size.iotas, shown = size.shown;
   for (int i = 0; i < model.sets.sigmas; ++i) room.phi[i] = state.beta[1 + i] / state.beta[0];
-  shown_columns(model.sets, y_z, stride, count, 0, room.phi, state.beta[0], room.transposed,
-                room.shown);
-  for (int r = 0; r < count; ++r) {
-    Real* const row = y_z + r * stride + iotas;
-    for (int c = 0; c <= shown; ++c) row[c] = room.shown[c * TILE + r];
-    for (int c = shown + 1; c < width - iotas; ++c) row[c] = 0.0;
+  for (int first = 0; first < count; first += TILE) {
+    const int rows = count - first < TILE ? count - first : TILE;
+    shown_columns(model.sets, y_z + first * stride, stride, rows, 0, room.phi, state.beta[0],
+                  room.transposed, room.shown);
+    for (int r = 0; r < rows; ++r) {
+      Real* const row = y_z + (first + r) * stride + iotas;
+      for (int c = 0; c <= shown; ++c) row[c] = room.shown[c * TILE + r];
+      for (int c = shown + 1; c < width - iotas; ++c) row[c] = 0.0;
+    }
   }
 }
 
@@ -107,7 +110,11 @@ inline void hand_over_if_linear(const FilterModel& model, FilterState& state, Fi
   if (more && point + 1 == LINEAR_POINTS) {
     solve_triangle(state.prior, size.beta_stride(), k, room.beta);
     if (!scaled(model, state, room.beta[size.iotas])) return;
-    rows_of_beta(model, state, state.top + n, size.top_stride(), n, padded(n + k + 1) - n, room);
+    const auto reduce = [&](Real* rows, int count) {
+      rows_of_beta(model, state, rows + n, size.top_stride(), count, padded(n + k + 1) - n, room);
+    };
+    reduce(state.top, n);
+    reduce(state.slope, size.driven);
   }
   *state.linear = more ? Real(point + 1) : Real(0);
 }

@@ -77,6 +77,12 @@ Momentum<T> momentum_of(const Mass<T>& carried, const Motion<T>& field) {
           carried.s.cross(field.u) + carried.J * field.w};
 }
 
+// The power of a momentum's rate along a field.
+template <class T>
+T along(const Motion<T>& field, const Momentum<T>& of) {
+  return field.w.dot(of.h) + field.u.dot(of.p);
+}
+
 // What momentum and velocity need at one configuration.
 template <class T>
 struct SystemInertia {

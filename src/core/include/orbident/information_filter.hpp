@@ -13,6 +13,7 @@
 // No function here allocates memory, throws, or keeps anything: state and room are the caller's.
 #pragma once
 
+#include "orbident/driven_joints.hpp"
 #include "orbident/hand_over.hpp"
 #include "orbident/sample_whitening.hpp"
 
@@ -86,15 +87,18 @@ inline SampleEquations equations_of(const FilterModel& model, const FilterState&
   found.moving = Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite();
   found.noise = conservation_equations(model.laws, state.beta, found.h, at, found.R_WB,
                                        room.equations, rows, stride);
+  driven_equations(model.laws, at, room.equations, rows + size.rows * stride, stride);
   if (held_in_beta(state))
-    rows_of_beta(model, state, rows + size.nuisances, stride, size.rows, size.beta_stride(), room);
+    rows_of_beta(model, state, rows + size.nuisances, stride, size.all_rows(), size.beta_stride(),
+                 room);
   return found;
 }
 
 // Moves the nuisances on to the time t of a sample that counts, and takes what its rows say of
 // them; what is left of these, whitened, is about the parameters alone.
-inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real t, const Real* w,
-                              const SampleEquations& sample, Real* rows, FilterRoom& room) {
+inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real t,
+                              const Measurement& at, const SampleEquations& sample, Real* rows,
+                              FilterRoom& room) {
   const FilterSizes size = model.sizes();
   const ConservedAxes& axes = model.laws.axes;
   const int n = size.nuisances, y = held_in_beta(state) ? size.betas() : size.parameters;
@@ -102,16 +106,20 @@ inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real
   const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
   const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + sample.R_WB);
+  momenta_walk(model, state, at, dt, n + y + 1, room.walk);
   const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral,
-                                           sample.h, dt, room.kick, room.covariance);
+                                           sample.h, dt, room.walk, room.kick, room.covariance);
+  Real* const driven = rows + size.rows * stride;
+  follow_momenta(model, state, at, dt, n + y + 1, driven + size.driven * stride, stride);
   whiten_law(sample.noise.momentum, axes.momentum, axes.momenta, of_gyro, axes.momenta, state.top,
              top_stride, rows, stride, n + y + 1);
   if (sample.moving)
     whiten_law(sample.noise.velocity, axes.velocity, axes.velocities, of_gyro, axes.momenta,
                state.top, top_stride, rows + axes.momenta * stride, stride, n + y + 1);
   fold(state.top, top_stride, rows, stride, size.rows, padded(n + y + 1), n);
+  fold(state.top, top_stride, driven, stride, size.driven, padded(n + y + 1), n);
   *state.t = t;
-  for (int i = 0; i < 3; ++i) state.w[i] = w[i];
+  for (int i = 0; i < 3; ++i) state.w[i] = at.w[i];
   for (int i = 0; i < 9; ++i) state.R_WB[i] = sample.R_WB(i / 3, i % 3);
 }
 
@@ -129,9 +137,12 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t, 
     return {room.rows + n + y, stride, 0.0, 0, reason};
   }
   const SampleEquations sample = equations_of(model, state, at, room.rows, room);
-  take_nuisances_in(model, state, t, at.w, sample, room.rows, room);
+  take_nuisances_in(model, state, t, at, sample, room.rows, room);
   const int R_stride = reduced ? size.beta_stride() : size.R_stride();
-  fold(reduced ? state.root : state.R, R_stride, room.rows + n, stride, size.rows, R_stride, y);
+  Real *const R = reduced ? state.root : state.R, *const driven = room.rows + size.rows * stride;
+  // Torques come after the laws, whose innovation tells of changes alone.
+  fold(R, R_stride, room.rows + n, stride, size.rows, R_stride, y);
+  fold(R, R_stride, driven + n, stride, size.driven, R_stride, y);
   Innovation innovation{room.rows + n + y, stride, 0.0, size.rows, reason};
   for (int i = 0; i < size.rows; ++i) {
     const Real white = innovation.white[i * stride];

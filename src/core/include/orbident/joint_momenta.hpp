@@ -31,16 +31,6 @@
 
 namespace orbident {
 
-// The turn of a field with a rigid motion X.
-inline Motion<double> turned(const Motion<double>& X, const Motion<double>& field) {
-  return {X.w.cross(field.w), X.w.cross(field.u) + X.u.cross(field.w)};
-}
-
-// The power of a momentum's rate along a field.
-inline double along(const Motion<double>& field, const Momentum<double>& of) {
-  return field.w.dot(of.h) + field.u.dot(of.p);
-}
-
 // Poses, masses and what each body carries.
 inline void pose_and_weigh(const Tree& tree, const double* theta, const double* q,
                            Bodies<double>& at) {

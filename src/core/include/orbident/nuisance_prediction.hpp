@@ -5,6 +5,7 @@
 //   v_cm' = (integral of R_0) b_a                 where the velocity is integrated
 //         + white                                 there, and where forces act at random
 //   b_g' = white,   b_a' = white
+//   p'   = e + t - d qd - c sign(qd) - o + white        of driven joints (driven_joints.hpp)
 //
 // The axes in which momentum and velocity are known drift with the sensors; in these axes both are
 // constant, but for what acts from outside.
@@ -75,16 +76,20 @@ ORBIDENT_WIDEST inline void covariance_of(const Real* kicks, int count, int n, R
 //
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s
+//   p_walk    deviations of what the momenta of driven joints gain, N m s
 //   K, C      room for (n + momenta) x n and n x n; K's columns are stored as rows
 inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int stride, int width,
-                                const Matrix& integral, const Vector& h_cm, Real dt, Real* K,
-                                Real* C) {
+                                const Matrix& integral, const Vector& h_cm, Real dt,
+                                const Real* p_walk, Real* K, Real* C) {
   const ConservedAxes& axes = model.axes;
   const SensorNoise& noise = model.noise;
   const int n = model.nuisances(), b_g = model.gyro_bias(), b_a = model.accelerometer_bias();
   const int integrated = noise.accelerometer ? axes.velocities : 0;
   const int kicks = n + axes.momenta;
   for (int k = 0; k < kicks * n; ++k) K[k] = 0.0;
+  const auto kick = [&](Real std, int unknown) {
+    for (int i = 0; i < n; ++i) K[unknown * n + i] = std * top[i * stride + unknown];
+  };
   const auto walk = [&](Real std, int unknown, int column, int count) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < count; ++j)
@@ -92,6 +97,7 @@ inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int s
   };
   walk(noise.momentum_walk, 0, n, axes.momenta);
   walk(noise.velocity_walk, axes.momenta, axes.momenta, axes.velocities);
+  for (int k = 0; k < model.driven.count; ++k) kick(p_walk[k], model.joint_momentum() + k);
   walk(noise.gyro_walk, b_g, b_g, axes.momenta);
   walk(noise.accelerometer_walk, b_a, b_a, integrated);
   for (int j = 0; j < axes.momenta; ++j) {

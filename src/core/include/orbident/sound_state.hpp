@@ -42,12 +42,13 @@ inline bool is_count(Real points, const FilterSizes& size) {
          static_cast<Real>(static_cast<int>(points)) == points;
 }
 
-// All numbers from R_WB on lie one after the other, with zeros between them. Times and rates that
-// were not yet are NaN.
+// All numbers from R_WB on lie one after the other, with zeros between them. Times, rates and
+// torques that were not yet are NaN.
 inline bool is_sound(const FilterState& state, const FilterSizes& size) {
   const Real* const end = state.prior + static_cast<long>(size.betas()) * size.beta_stride();
   bool known = !std::isinf(*state.t);
   for (int i = 0; i < 3; ++i) known = known && !std::isinf(state.w[i]);
+  for (int i = 0; i < size.driven; ++i) known = known && !std::isinf(state.impulse[i]);
   return known && is_finite(state.R_WB, end - state.R_WB) && is_count(*state.linear, size) &&
          is_estimate(state, size) && is_definite(state.prior, size.beta_stride(), size.betas());
 }

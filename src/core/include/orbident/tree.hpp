@@ -51,6 +51,12 @@ struct Motion {
   Vector3<T> u;  // velocity of the field at S, m/s
 };
 
+// The turn of a field with a rigid motion X.
+template <class T>
+Motion<T> turned(const Motion<T>& X, const Motion<T>& field) {
+  return {X.w.cross(field.w), X.w.cross(field.u) + X.u.cross(field.w)};
+}
+
 // Forward kinematics: the poses of all bodies, and the motion that a unit rate of each joint gives
 // to all that it carries: revolute w = a, u = d x a; prismatic w = 0, u = a.
 template <class T>

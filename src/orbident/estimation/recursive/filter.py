@@ -1,8 +1,9 @@
 """The free-flying base parameters sample by sample: an extended square-root filter.
 
-Its unknowns are `[h_cm, v_cm, b_g, b_a | pi, phi]`, in which the conservation laws are
-linear, and `beta` follows from them and from what is known beforehand by one
-Gauss-Newton step a sample. The equations stand in the core's `information_filter.hpp`.
+Its unknowns are `[h_cm, v_cm, p, b_g, b_a, drives | pi, phi]`, in which the
+conservation laws and the momenta `p` of joints with measured torques are linear, and
+`beta` follows from them and from what is known beforehand by one Gauss-Newton step a
+sample. The equations stand in the core's `information_filter.hpp`.
 
 Before any sample, CAD values are believed to be uncertain by 30 %.
 """
@@ -101,6 +102,9 @@ def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta 
 NO_MOMENTUM = np.zeros(3)
 """Nothing acted from outside."""
 
+NO_IMPULSE = np.zeros(0)
+"""No torque is measured."""
+
 
 class Sample(NamedTuple):
     """What was measured at one time, float32 or float64; NaN where nothing was.
@@ -122,6 +126,8 @@ class Sample(NamedTuple):
     """The rate with less noise, where regressors are evaluated; or the gyro again."""
     h_given: Shaped[np.ndarray, "3"] = NO_MOMENTUM
     """Angular momentum that was given from outside so far, inertial axes, N m s."""
+    impulse: Shaped[np.ndarray, " driven"] = NO_IMPULSE
+    """Integrals of the torques of driven joints so far, N m s."""
 
 
 class State(NamedTuple):
@@ -155,7 +161,11 @@ class State(NamedTuple):
 
     @property
     def nuisances(self) -> Float[np.ndarray, " x"]:
-        """`x = [h_cm, v_cm, b_g, b_a]`, the first two in the axes of `x_WB`."""
+        """`x = [h_cm, v_cm, p, b_g, b_a, drives]`, the first two in the axes of `x_WB`.
+
+        `p` are the momenta of driven joints; of each of them `drives` has the armature,
+        viscous and Coulomb friction, the offset, and the sensor's scale.
+        """
         return self.core.nuisances
 
     @property
@@ -225,7 +235,8 @@ class Extended:
         sets = minimal_sets(robot)
         of_products = sparse(sets.pi_of_products.toarray())
         order = by_last_row(of_products)
-        known = {name: x for name, x in noise._asdict().items() if name != "declared"}
+        apart = ("declared", "driven")
+        known = {name: x for name, x in noise._asdict().items() if name not in apart}
         core = _core.Filter(
             robot=core_robot(robot),
             sets=sets.regressors.core,
@@ -237,6 +248,8 @@ class Extended:
             momentum_axes=np.array(sets.regressors.momentum_axes, dtype=float),
             velocity_axes=np.array(sets.regressors.velocity_axes, dtype=float),
             noise=_core.SensorNoise(**known),
+            driven=noise.driven.table,
+            longest=noise.driven.longest,
         )
         return cls(sets, noise, core)
 
@@ -347,9 +360,10 @@ class Extended:
         h, v = len(own.momentum_axes), len(own.velocity_axes)
         names = [f"gyro.{'xyz'[axis]}" for axis in own.momentum_axes]
         names += [f"accelerometer.{'xyz'[axis]}" for axis in own.velocity_axes]
+        first = h + v + len(self.noise.driven.table)
         return {
             name: {"value": float(x[k]), "std": float(std[k])}
-            for name, k in zip(names, range(h + v, n), strict=False)
+            for name, k in zip(names, range(first, n), strict=False)
         }
 
 

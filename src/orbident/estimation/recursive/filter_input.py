@@ -9,6 +9,12 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.recursive.driven_joints import (
+    NO_TORQUES,
+    DrivenJoints,
+    Torques,
+    torques_of,
+)
 from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.origins import ENCODED, Origin
@@ -79,6 +85,8 @@ class Noise(NamedTuple):
     """Whether the velocity is integrated from one, and its bias an unknown."""
     declared: bool = True
     """Whether the velocity's noise is declared, not what least squares leaves of it."""
+    driven: DrivenJoints = NO_TORQUES
+    """Joints whose torque is measured."""
 
 
 def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
@@ -218,15 +226,25 @@ class Pieces(NamedTuple):
     """From the first one each time; some may be empty."""
 
 
-def filter_input_of(robot: Robot, samples: Samples) -> FilterInput:
+def filter_input_of(
+    robot: Robot, samples: Samples, torques: Torques | None = None
+) -> FilterInput:
     """All samples that are as good as they are said to be.
+
+    Args:
+        robot: with its sensors.
+        samples: of a recording.
+        torques: of its joints, where they are used.
 
     Raises:
         InputError: there is none, or the noise of the base rate is not known.
     """
     settings = Settings()
-    t, every = packed_piece(samples, smoothed_rate(samples, settings), trusted(samples))
-    noise = noise_of(robot, samples, rate_scatter(samples, settings))
+    rate = smoothed_rate(samples, settings)
+    noise, impulses = noise_of(robot, samples, rate_scatter(samples, settings)), None
+    if torques is not None:
+        noise, impulses = noise._replace(driven=torques.driven), torques.impulses
+    t, every = packed_piece(samples, rate, trusted(samples), impulses)
     if not t.size:
         raise none_complete(samples.source)
     return FilterInput(t, every, noise)
@@ -248,7 +266,8 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     """
     robot, samples, kept = problem.robot, problem.samples, problem.pieces
     if kept is None:
-        given = filter_input_of(robot, samples)
+        torques = torques_of(robot, problem.recording, samples, problem.late)
+        given = filter_input_of(robot, samples, torques)
         return Pieces(given.noise, lambda: iter([Piece(given.t, given.samples)]))
     noise = noise_of(robot, samples, rate_scatter(samples, Settings()))
     return Pieces(noise, lambda: ahead(kept()))

@@ -35,6 +35,7 @@ from orbident.estimation.estimate import (
 )
 from orbident.estimation.levels import LEVELS
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.recursive.driven_joints import Torques, torques_of
 from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
     Extended,
@@ -150,6 +151,7 @@ def recursive_history(
     false_alarms: float = LEVELS["change"],
     progress: Callable[[float], object] = lambda _: None,
     changes: Sequence[Change] | None = None,
+    torques: Torques | None = None,
 ) -> History:
     """Estimate sample by sample, watch for changes, and open up after one.
 
@@ -160,11 +162,12 @@ def recursive_history(
         false_alarms: probability of one in this recording if nothing changes.
         progress: is called with the fraction of the samples that is done.
         changes: where they are known, and none is watched for.
+        torques: of joints, where they are used.
 
     Raises:
         InputError: no sample is complete.
     """
-    given = filter_input_of(robot, samples)
+    given = filter_input_of(robot, samples, torques)
     prior, t = cad_prior(robot), given.t
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
@@ -262,7 +265,12 @@ class Recursive:
         """
         robot, samples = problem.robot, problem.samples
         history = recursive_history(
-            robot, samples, problem.h_cm, progress=progress, changes=self.changes
+            robot,
+            samples,
+            problem.h_cm,
+            progress=progress,
+            changes=self.changes,
+            torques=torques_of(robot, problem.recording, samples, problem.late),
         )
         nothing = np.zeros((history.beta.shape[1], 0))
         last = BetaEstimate(history.beta[-1], history.covariance, nothing)

@@ -1,0 +1,128 @@
+"""Torques in one step of the filter, against energies, differences and elimination.
+
+The reference is `reference/driven_joints.py`.
+"""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_robots import (
+    random_parents,
+    random_planar_robot,
+    random_quaternion,
+    random_robot,
+    random_wheels,
+)
+from reference.driven_joints import forgotten, gained, momentum_rows
+from reference.filter_step import axes_of, laws, transition, white_equations
+
+from orbident.estimation.recursive.driven_joints import DrivenJoints
+from orbident.estimation.recursive.filter import (
+    Extended,
+    GaussianPrior,
+    Sample,
+    packed,
+)
+from orbident.estimation.recursive.filter_input import Noise
+from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+
+pytestmark = pytest.mark.core
+
+
+def random_samples(robot: Robot, count: int, driven: int, random) -> list[Sample]:
+    """What no robot does, but the equations are the same."""
+    samples, joints = [], len(robot.joints)
+    for k in range(count):
+        w, noise, v_S, h_given = random.standard_normal((4, 3))
+        x_WB = random_quaternion(random)
+        if robot.motion == "planar":
+            w[:2] = noise[:2] = x_WB[:2] = 0.0
+            x_WB /= np.linalg.norm(x_WB)
+        q, qd = random.standard_normal(joints), random.uniform(-0.2, 1.0, joints)
+        impulse = random.standard_normal(driven)
+        impulse[random.uniform(size=driven) < 0.1] = np.nan
+        t = 0.1 * k + (0.5 if k > count / 2 else 0.0)
+        qd_rw, smooth = (
+            10.0 * random.standard_normal(len(robot.wheels)),
+            w + 0.1 * noise,
+        )
+        samples.append(Sample(t, q, qd, w, x_WB, qd_rw, v_S, smooth, h_given, impulse))
+    return samples
+
+
+def information(rows: np.ndarray, eliminated: int) -> np.ndarray:
+    R = np.asarray(np.linalg.qr(rows, mode="r"))[eliminated:, eliminated:]
+    return R.T @ R
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    seed=st.integers(0, 2**16),
+    slides=st.lists(st.booleans(), min_size=1, max_size=3),
+    planar=st.booleans(),
+    wheels=st.booleans(),
+    accelerometer=st.booleans(),
+)
+def test_one_step(
+    seed: int, slides: list[bool], planar: bool, wheels: bool, accelerometer: bool
+):
+    random, joints = np.random.default_rng(seed), len(slides)
+    build = random_planar_robot if planar else random_robot
+    held = random_wheels(seed, ("held", "held")) if wheels else ()
+    parents = random_parents(random, joints)
+    robot = build(seed, parents, np.flatnonzero(slides).tolist(), held)
+    which = np.flatnonzero(random.uniform(size=joints) < 0.7)
+    table = np.column_stack(
+        [which, random.uniform(0.05, 0.2, (which.size, 12))]
+    ).reshape(-1, 13)
+    stds = Noise(
+        gyro=0.1,
+        velocity=0.2,
+        gyro_bias=0.3,
+        gyro_walk=0.1,
+        attitude=0.1,
+        velocity_walk=0.2,
+        accelerometer_bias=0.3,
+        accelerometer_walk=0.1,
+        joint_rates=0.1,
+        momentum_walk=0.2,
+        accelerometer=accelerometer,
+        driven=DrivenJoints(table, 0.3),
+    )
+    kalman, sets = Extended.of(robot, stds), minimal_sets(robot)
+    every = random_samples(robot, len(sets.pi_of_beta) + 4, which.size, random)
+    beta = sets.beta(robot.theta)
+    prior = GaussianPrior(beta, np.diag(1.0 / (0.3 * np.abs(beta) + 0.1)))
+    state = kalman.start(prior, every[0])
+    t, rows = np.array([s.t for s in every]), np.array([packed(s) for s in every])
+    state, _, _ = kalman.gathered(state, t[:-1], rows[:-1])
+    before, sample = every[-2:]
+    after, info = kalman.step(state, sample)
+
+    axes, top, n = axes_of(sets), state.top, len(state.top)
+    change, lost = gained(robot, stds, state, before, sample, axes)
+    for place in lost:
+        top = forgotten(top, int(place))
+    back, kick = transition(stds, state, sample, axes)
+    kick_of_all = top[:, :n] @ kick
+    # The last column, the right-hand side, is that of `-1`.
+    turned = np.eye(len(change))
+    turned[:n, :n] = back
+    top = top @ turned @ change
+    own = laws(robot, stds, state, sample, axes)
+    stacked = np.vstack(
+        [
+            white_equations(top, kick_of_all, own, axes.h.size),
+            momentum_rows(robot, stds, state, sample, axes),
+            np.hstack([np.zeros((len(state.R_z), n)), state.R_z]),
+        ]
+    )
+    both = np.vstack([after.top, np.hstack([np.zeros((len(after.R_z), n)), after.R_z])])
+    found, expected = both.T @ both, information(stacked, 0)
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    # The last row is the residual, which the innovation has the new part of.
+    assert np.abs((found - expected) / scale)[:-1].max() < 1e-8
+    # A change is told by the laws alone.
+    assert info.dof == len(own.rows) == len(info.white)
