@@ -24,7 +24,8 @@ using Real = orbident_real;
 
 constexpr long MEMORY = ROBOT_MEMORY, STATE = ROBOT_STATE, MEASURED = ROBOT_MEASURED;
 constexpr int BETAS = ROBOT_BETAS, ROWS = ROBOT.momenta + ROBOT.velocities,
-              NUISANCES = ROWS + ROBOT.momenta + (ROBOT.accelerometer ? ROBOT.velocities : 0);
+              NUISANCES = ROWS + ROBOT.momenta + (ROBOT.accelerometer ? ROBOT.velocities : 0) +
+                          6 * ROBOT.driven_joints;
 
 Real memory[MEMORY], other[MEMORY], saved[STATE], sample[MEASURED], out[BETAS + NUISANCES + ROWS];
 Real t;

@@ -68,7 +68,8 @@ def one_joint(folder: Path, joint: str = "revolute", wheel: bool = True) -> Path
     wheels = "[{name: rw, axis: [0, 1, 0], inertia: 0.05, mode: held}]"
     sensors = (
         "{gyro: {angle_random_walk: 1e-5}, attitude: {angle: 1e-5}, "
-        "position: {std: 1e-4}, joints: {position: 1e-5}, wheels: {position: 1e-5}}"
+        "position: {std: 1e-4}, joints: {position: 1e-5}, wheels: {position: 1e-5}, "
+        "torques: {std: 0.01}}"
     )
     path = folder / "one-joint.yaml"
     path.write_text(

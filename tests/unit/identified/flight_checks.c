@@ -293,7 +293,8 @@ static int refusals(void) {
     bad |= orbident_step(&ROBOT, memory, (orbident_real)(1.05 + 0.1 * same), sample) < 0 && ROBOT.momenta > 1;
   }
   read_sample(1);
-  sample[ROBOT_MEASURED - 7] = (orbident_real)NAN;
+  /* The velocity, before w_smooth, h_given and what joints with torques have. */
+  sample[ROBOT_MEASURED - ROBOT.driven_joints - 7] = (orbident_real)NAN;
   bad |= orbident_step(&ROBOT, memory, 2, sample) != ORBIDENT_NO_VELOCITY;
   bad |= orbident_detect(&ROBOT, memory, &detection) < 0;
   sample[0] = (orbident_real)INFINITY;
@@ -303,8 +304,9 @@ static int refusals(void) {
   bad |= orbident_step(&ROBOT, memory, 1, sample) < 0; /* the clock was set back */
   const int rows = ROBOT.momenta + ROBOT.velocities;
   bad |= orbident_get(&ROBOT, memory, ORBIDENT_INNOVATION, beta, rows) != ORBIDENT_DONE;
-  const int nuisances = rows + ROBOT.momenta + (ROBOT.accelerometer ? ROBOT.velocities : 0);
-  bad |= orbident_get(&ROBOT, memory, ORBIDENT_NUISANCES, beta, nuisances) != ORBIDENT_DONE;
+  const int biases = ROBOT.momenta + (ROBOT.accelerometer ? ROBOT.velocities : 0);
+  const int nuisances = rows + biases + 6 * ROBOT.driven_joints;
+  bad |= orbident_get(&ROBOT, memory, ORBIDENT_NUISANCES, other, nuisances) != ORBIDENT_DONE;
   memory[0] = -memory[0];
   bad |= all_say(ORBIDENT_DIVERGED);
   return bad;
@@ -319,7 +321,7 @@ int main(int count, char** words) {
   /* With a known momentum too, and without a velocity. */
   const orbident_real h_cm[3] = {1, 2, 3};
   read_sample(0);
-  sample[ROBOT_MEASURED - 9] = (orbident_real)NAN;
+  sample[ROBOT_MEASURED - ROBOT.driven_joints - 9] = (orbident_real)NAN;
   if (orbident_init(&ROBOT, other, ROBOT_MEMORY, sample, h_cm) != ORBIDENT_DONE) return 1;
   return refusals();
 }
