@@ -27,6 +27,7 @@ from orbident.campaigns.executors import InThisProcess
 from orbident.campaigns.folder import opened
 
 slow = partial(pytest.param, marks=pytest.mark.slow)
+long = partial(pytest.param, marks=pytest.mark.long)
 RUNS = 8
 """Runs of the campaign, each in a file of its own."""
 
@@ -138,7 +139,7 @@ def test_a_campaign(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    "seed", [slow(0), slow(1), 2, *map(slow, range(3, len(QUICK)))]
+    "seed", [*map(long, (0, 1)), 2, slow(3), *map(long, range(4, len(QUICK)))]
 )
 def test_some(shelf: Callable[..., Shelf], tmp_path: Path, seed: int):
     limited(seed, QUICK, shelf, tmp_path)

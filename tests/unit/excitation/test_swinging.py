@@ -25,7 +25,7 @@ def geometric_mean(robot: Robot, motion: Trajectory) -> float:
     return float(np.exp(np.log(np.sqrt(np.diag(covariance))).mean()))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_best_of_several_numbers_of_harmonics_is_kept(tmp_path: Path):
     """What is promised is what the bound says, and a simulation keeps to the limits."""
     robot = swinging_satellite(tmp_path)

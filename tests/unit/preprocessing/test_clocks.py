@@ -52,7 +52,7 @@ def found(robot: Robot, late: float, noise, seed=0, duration=40.0) -> oi.Result:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("late", [0.037, -0.2])
+@pytest.mark.parametrize("late", [0.037, pytest.param(-0.2, marks=pytest.mark.long)])
 def test_without_noise_the_delay_is_exact(late):
     delay = found(SPATIAL, late, "none").clocks["joints"]
     # Splines through 20 Hz samples.
@@ -60,7 +60,7 @@ def test_without_noise_the_delay_is_exact(late):
     assert delay.believed
 
 
-@pytest.mark.parametrize("rows", [1, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("rows", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_joints_that_are_late_by_rows_are_corrected(rows):
     """By 0.1 s, and by 0.4 s, which is too far for first order."""
     flown = clean_space(seed=2)
@@ -90,7 +90,7 @@ def test_a_delay_that_is_not_sharp_is_in_the_deviations():
     [
         (PLANAR, "sensors", 3),
         (PLANAR, "none", 1),
-        pytest.param(SPATIAL, "sensors", 3, marks=pytest.mark.slow),
+        pytest.param(SPATIAL, "sensors", 3, marks=pytest.mark.long),
         pytest.param(SPATIAL, "none", 1, marks=pytest.mark.slow),
     ],
 )
@@ -121,7 +121,10 @@ def test_what_shares_a_clock_is_corrected_together():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("who", "seconds"),
-    [(("joint.", "wheel."), 1.5), (("attitude.", "position."), 6.0)],
+    [
+        pytest.param(("joint.", "wheel."), 1.5, marks=pytest.mark.long),
+        (("attitude.", "position."), 6.0),
+    ],
 )
 def test_clocks_that_were_never_set_together_are_refused(who, seconds):
     """Not corrected: the message names which, by how much, and what to do."""

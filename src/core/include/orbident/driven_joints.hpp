@@ -21,7 +21,8 @@
 
 namespace orbident {
 
-constexpr Real ANY = 1e3;  // N m s: more no joint has, nor does a torque give between samples
+constexpr Real MOST_MOMENTUM =
+    1e3;  // N m s: more no joint has, nor does a torque give between samples
 
 inline bool carries(const Tree& tree, int joint, int body) {
   while (body > joint + 1) body = tree.joint[body - 1].parent;
@@ -187,7 +188,8 @@ struct DrivenStep {
     impulse = at.impulse[i] - state.impulse[i];
     const bool turns = std::abs(before) > own.still && std::abs(now) > own.still;
     // Not a number is no less than anything.
-    followed = std::abs(impulse) < ANY && dt <= model.driven.longest && turns && before * now > 0;
+    followed = std::abs(impulse) < MOST_MOMENTUM && dt <= model.driven.longest && turns &&
+               before * now > 0;
   }
 };
 
@@ -206,7 +208,7 @@ inline void forget(Real* top, int stride, int width, int j) {
     }
   }
   for (int k = 0; k < width; ++k) own[k] = 0.0;
-  own[j] = 1 / ANY;
+  own[j] = 1 / MOST_MOMENTUM;
 }
 
 // What noise of the torques adds to the momenta of driven joints over dt; those that no torque

@@ -135,7 +135,7 @@ def test_a_floor_that_pushes_at_random(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, 6])
+@pytest.mark.parametrize("seed", [pytest.param(2, marks=pytest.mark.long), 6])
 def test_a_floor_that_does_not_push(tmp_path, seed):
     """Walks of torque and force are free, and there are none: any that is too small to
     see is as likely. One so small that rounding is larger had spoiled the fit."""

@@ -104,6 +104,7 @@ def test_handing_over_costs_a_tenth_of_a_deviation(robot: Robot, sets: MinimalSe
     np.testing.assert_allclose(ratios, 1.0, atol=0.02)
 
 
+@pytest.mark.slow
 def test_many_samples_at_once_say_what_they_say_one_by_one(robot: Robot):
     """In blocks, and on any number of threads."""
     recording = simulate(robot, random_motion(robot, duration=60.0), noise="sensors")
