@@ -32,9 +32,10 @@ def refused_run(flight: Recording) -> None:
     ("reader", "more"),
     [
         ("head -1", ()),
+        pytest.param("true", ("--json", "-"), marks=pytest.mark.slow),
+        # What these two have, the others have one by one.
         pytest.param("true", (), marks=pytest.mark.long),
-        pytest.param("head -1", ("--json", "-"), marks=pytest.mark.slow),
-        pytest.param("true", ("--json", "-"), marks=pytest.mark.long),
+        pytest.param("head -1", ("--json", "-"), marks=pytest.mark.long),
     ],
 )
 @pytest.mark.usefixtures("refused_run")

@@ -40,17 +40,17 @@ def test_a_broken_run(orbident: Orbident):
 
 @pytest.mark.slow
 def test_a_clip(orbident: Orbident, flight: Recording):
-    written(flight, "r.csv", rows=slice(40))
+    written(flight, "r.csv", rows=slice(12))
     draw = ("view", "paper-spatial", "--recording", "r.csv", "--record", "clip.gif")
     said = orbident(*draw, "--json", "-").json
-    assert said == {"shown": "paper-spatial", "clip": "clip.gif", "frames": 40}
+    assert said == {"shown": "paper-spatial", "clip": "clip.gif", "frames": 12}
     with Image.open("clip.gif") as clip:
-        assert clip.n_frames == 40  # pyright: ignore[reportAttributeAccessIssue]
+        assert clip.n_frames == 12  # pyright: ignore[reportAttributeAccessIssue]
     before = Path("clip.gif").read_bytes()
     orbident(*draw).refused("clip.gif: exists already", "--force")
     # The same data give the same file.
     ran = orbident(*draw, "--force").done()
-    assert ran.out == "written: clip.gif, 40 frames\n"
+    assert ran.out == "written: clip.gif, 12 frames\n"
     assert Path("clip.gif").read_bytes() == before
 
 

@@ -51,16 +51,22 @@ def spatial(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return exported(folder, "paper-spatial", 16.0, 10.0)
 
 
+@pytest.fixture(scope="module")
+def compiled(spatial: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The filter, which may be linked into a program or a shared library."""
+    out = tmp_path_factory.mktemp("compiled") / "flight.o"
+    flags = (*FLIGHT, "-O2", "-fPIC", *WARNINGS, *includes(spatial))
+    ran("c++", *flags, "-c", spatial / "flight.cpp", "-o", out)
+    return out
+
+
 @pytest.mark.slow
 @needs("ld")
-def test_a_linked_program_has_no_heap(spatial: Path, tmp_path: Path):
+def test_a_linked_program_has_no_heap(compiled: Path, tmp_path: Path):
     """The filter alone in a shared library: the map names what it draws in."""
     out, map_ = tmp_path / "flight.so", tmp_path / "map"
-    shared = ("-shared", "-fPIC", "-nostdlib", f"-Wl,-Map={map_}")
-    source = spatial / "flight.cpp"
-    ran(
-        "c++", *FLIGHT, "-O2", *WARNINGS, *includes(spatial), *shared, source, "-o", out
-    )
+    shared = ("-shared", "-nostdlib", f"-Wl,-Map={map_}")
+    ran("c++", *shared, compiled, "-o", out)
     told = map_.read_text()
     assert "orbident_step" in told
     assert not re.search(r"malloc|calloc|realloc|free\b|_Zn|_Zd|__cxa", told)
@@ -107,14 +113,12 @@ def branches(object_: Path) -> tuple[Counter[str], Counter[str]]:
 
 
 @pytest.mark.slow
-def test_an_application_for_cfs(spatial: Path, tmp_path: Path):
+def test_an_application_for_cfs(spatial: Path, compiled: Path, tmp_path: Path):
     """The example against our own stubs of cFE: every estimate that it sends."""
     example = CHECKS.parents[3] / "examples" / "cfs"
     stubs = CHECKS.parent / "cfs_stubs"
-    object_, out = tmp_path / "flight.o", tmp_path / "app"
-    flags = (*FLIGHT, "-O2", *includes(spatial))
-    ran("c++", *flags, "-c", spatial / "flight.cpp", "-o", object_)
-    sources = (example / "orbident_app.c", stubs / "bus.c", object_)
+    out = tmp_path / "app"
+    sources = (example / "orbident_app.c", stubs / "bus.c", compiled)
     paths = (f"-I{stubs}", f"-I{example}", *includes(spatial))
     ran("cc", "-std=gnu11", "-O1", *WARNINGS, *paths, *sources, "-lm", "-o", out)
     assert re.match(r"(\d+) of \1 agree", ran(out))

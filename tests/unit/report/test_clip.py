@@ -70,6 +70,7 @@ def test_it_is_small_and_short(clip: Path, replay: Replay):
     assert shown == 60 * 100 + 2000
 
 
+@pytest.mark.slow
 def test_the_ghost_of_cad_leaves(clip: Path):
     red = []
     for frame in frames(clip):
@@ -89,7 +90,8 @@ def test_the_ghost_of_cad_leaves(clip: Path):
 def test_without_a_model_only_the_measured_robot_is_there(
     replay: Replay, tmp_path: Path
 ):
-    alone = replay._replace(predicted=None, by_cad=None, model=None)
+    few = replay.measured.thinned(4)
+    alone = replay._replace(measured=few, predicted=None, by_cad=None, model=None)
     write_clip(scene_of(load_robot("paper-spatial")), alone, tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as opened:
         words = np.array(opened.convert("RGB"), int)[:LEGEND, :320]
