@@ -237,7 +237,7 @@ def test_no_progress_into_a_file(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     for verb in (
         ("inspect", "cepheus-like"),
-        ("excite", "cepheus-like", "--starts", "1", "-o", "made.yaml"),
+        ("excite", "cepheus-like", "--harmonics", "1", "--starts", "1", "-o", "m.yaml"),
     ):
         ran = finished(*ORBIDENT, *verb)
         assert (ran.returncode, ran.stderr) == (0, "")

@@ -121,7 +121,7 @@ def test_compare(orbident, table_5):
 def test_how_large_a_table_a_motion_needs(orbident, table_5):
     ran = orbident(
         *("excite", "cepheus-like", "-o", "made.yaml", "--starts", 1),
-        *("--limit", "table=1x1.1"),
+        *("--limit", "table=1x1.1", "--duration", 10),
     ).done()
     assert "m of a table" in ran.out
     made = load_trajectory("made.yaml").design
@@ -202,7 +202,8 @@ def test_motions_of_several_recordings(orbident):
         pytest.param(
             ["cepheus-like", "-o", "m.yaml", "--limit", "table=0.2"],
             ["even the gentlest joint motion exceeds the limit of table radius, by"],
-            marks=pytest.mark.slow,
+            # `tests/unit/excitation` has that of its width.
+            marks=pytest.mark.long,
         ),
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1xm"], ["'table=1xm'"]),
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),

@@ -203,7 +203,9 @@ def test_force_spares_what_is_no_run(orbident: Orbident, flight: Recording):
 
 
 @pytest.mark.parametrize(
-    ("robot", "momentum"), [CASES[1], pytest.param(*CASES[2], marks=pytest.mark.slow)]
+    ("robot", "momentum"),
+    # `test_cli_study.py` has that of a robot on a table, by another motion.
+    [CASES[1], pytest.param(*CASES[2], marks=pytest.mark.long)],
 )
 def test_validate_predicts_another_motion(
     orbident: Orbident,

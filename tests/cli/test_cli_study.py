@@ -58,8 +58,9 @@ def test_planar(orbident: Orbident):
     assert max(scores.done().json["nrmse"].values()) < 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_planar_with_noise(orbident: Orbident):
+    """The numbers are those of `tests/paper`, the way that of the other study."""
     run = ("study", "planar", "--noise", "paper", "--seeds", 2, "--seed", 3)
     run = *run, *LINEAR
     words = orbident(*run, "--json", "study.json").done().out
@@ -101,7 +102,7 @@ def test_spatial_with_noise(orbident: Orbident):
 
 @pytest.mark.slow
 def test_workers_change_no_number(orbident: Orbident):
-    run = ("study", "spatial", "--noise", "paper", "--seeds", 3, *LINEAR)
+    run = ("study", "spatial", "--noise", "paper", "--seeds", 2, *LINEAR)
     one, two = (
         orbident(*run, "--workers", workers, "--json", "-").done().json
         for workers in (1, 2)

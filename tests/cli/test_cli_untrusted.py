@@ -191,7 +191,7 @@ def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):
 def test_a_refusal_is_short(orbident: Orbident, flight: Recording):
     """Its cause, the first check that failed, and where the others are."""
     wrong = {"gyro.x": 1.05 * flight.columns["gyro.x"]}
-    written(flight, "r.csv", replace=wrong)
+    written(flight, "r.csv", replace=wrong, rows=slice(300))
     ran = orbident("identify", "paper-spatial", "r.csv")
     lines = [*ran.err.splitlines(), *ran.out.splitlines()]
     assert len(lines) <= 8

@@ -76,8 +76,9 @@ def test_numbered_from_another_corner(tmp_path, seed, valve):
     assert "numbered from another corner: what is recorded as t1 is t7" in named
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_refusal_names_it(tmp_path):
+    """The whole way, as of directions below, to a cause that is tried above."""
     seen = flown(truth(1), 1, duration=25.0)
     named = cause(
         satellite(tmp_path, more=KNOWN), commanded(seen, duty(seen)[:, CORNER])

@@ -33,7 +33,7 @@ def test_the_best_of_several_numbers_of_harmonics_is_kept(tmp_path: Path):
     given = conditions_for(robot, 20.0, limits=limits)
     slow = usual_initial(robot, given.start, 5.0, at_rest=True)
     given = replace(given, initial=slow)
-    effort = Effort(2, None)
+    effort = Effort(1, None)
     motion = design_swinging(robot, given, effort, (3, 10), design_excitation)
     made = motion.design
     assert motion.joints == ARM

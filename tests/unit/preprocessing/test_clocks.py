@@ -51,8 +51,14 @@ def found(robot: Robot, late: float, noise, seed=0, duration=40.0) -> oi.Result:
     return oi.identify(guess, recording, initial_momentum=momentum)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("late", [0.037, pytest.param(-0.2, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "late",
+    [
+        # Smaller, and so what the larger one shows.
+        pytest.param(0.037, marks=pytest.mark.long),
+        pytest.param(-0.2, marks=pytest.mark.slow),
+    ],
+)
 def test_without_noise_the_delay_is_exact(late):
     delay = found(SPATIAL, late, "none").clocks["joints"]
     # Splines through 20 Hz samples.
@@ -60,10 +66,10 @@ def test_without_noise_the_delay_is_exact(late):
     assert delay.believed
 
 
-@pytest.mark.parametrize("rows", [1, pytest.param(4, marks=pytest.mark.long)])
+@pytest.mark.parametrize("rows", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_joints_that_are_late_by_rows_are_corrected(rows):
     """By 0.1 s, and by 0.4 s, which is too far for first order."""
-    flown = clean_space(seed=2)
+    flown = clean_space(seed=2, duration=40.0)
     columns = {
         name: column[:-rows] if name.startswith(("joint", "wheel")) else column[rows:]
         for name, column in flown.recording.columns.items()
@@ -90,6 +96,7 @@ def test_a_delay_that_is_not_sharp_is_in_the_deviations():
     [
         (PLANAR, "sensors", 3),
         (PLANAR, "none", 1),
+        pytest.param(SPATIAL, "sensors", 1, marks=pytest.mark.slow),
         pytest.param(SPATIAL, "sensors", 3, marks=pytest.mark.long),
         pytest.param(SPATIAL, "none", 1, marks=pytest.mark.slow),
     ],

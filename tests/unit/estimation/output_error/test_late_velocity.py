@@ -18,11 +18,11 @@ NOISE = 1e-4
 """m/s."""
 
 
-def late(seconds: float) -> Recorded:
+def late(seconds: float, duration: float = 60.0) -> Recorded:
     """A flight with the velocity in the place of the position."""
-    known = clean_space(seed=3, duration=60.0)
+    known = clean_space(seed=3, duration=duration)
     trajectory = random_motion(
-        known.robot, seed=1, duration=60.0, wheel_speed=100.0, start="turning"
+        known.robot, seed=1, duration=duration, wheel_speed=100.0, start="turning"
     )
     flown = float_along(known.robot, trajectory, RATE)
     v_S = CubicSpline(flown.t, flown.v_S)(flown.t - seconds)
@@ -53,7 +53,7 @@ def test_the_clock_of_a_velocity_is_found(seconds: float):
 
 @pytest.mark.slow
 def test_a_velocity_that_is_far_too_late_is_named():
-    known = late(0.1)
+    known = late(0.1, 30.0)
     exact = replace(known.robot, tolerances=Tolerances())
     refused = identify(exact, known.recording).with_causes("quick")
     assert "the clock of the velocity is 100 ms late" in refused.refusal()
@@ -62,7 +62,7 @@ def test_a_velocity_that_is_far_too_late_is_named():
 @pytest.mark.slow
 def test_a_velocity_behind_a_filter_is_named():
     """Of first order: 60 ms late, and no more at once."""
-    known = late(0.0)
+    known = late(0.0, 30.0)
     t, columns = known.recording.t, dict(known.recording.columns)
     part = -np.expm1(-(t[1] - t[0]) / 0.06)
     for name in (name for name in columns if name.startswith("velocity")):
