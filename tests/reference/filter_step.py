@@ -191,3 +191,9 @@ def robots_that_determine(robot: Robot, sets: MinimalSets) -> list[np.ndarray]:
         theta += np.where(none, sizes * random.uniform(0.1, 1.0, theta.shape), 0.0)
         thetas.append(theta)
     return thetas
+
+
+def information(rows: np.ndarray, eliminated: int) -> np.ndarray:
+    """`A^T A` of `[A | b]` with the first unknowns eliminated."""
+    R = np.asarray(np.linalg.qr(rows, mode="r"))[eliminated:, eliminated:]
+    return R.T @ R

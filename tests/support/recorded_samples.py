@@ -1,11 +1,13 @@
-"""A recording's samples one by one, as a loop of one's own has them."""
+"""Samples one by one, as a loop has them: those of a recording, or random ones."""
 
 from collections.abc import Iterator
 
 import numpy as np
+from random_robots import random_quaternion
 
 from orbident.estimation.recursive.filter import Sample
 from orbident.preprocessing.samples import Samples
+from orbident.robot.description import Robot
 
 
 def stream(samples: Samples, w_smooth: np.ndarray | None = None) -> Iterator[Sample]:
@@ -29,3 +31,20 @@ def stream(samples: Samples, w_smooth: np.ndarray | None = None) -> Iterator[Sam
             w_smooth=w if w_smooth is None else w_smooth[k],
             h_given=np.zeros(3),
         )
+
+
+def random_samples(robot: Robot, count: int) -> list[Sample]:
+    """What no robot does, but the equations are the same."""
+    random, joints = np.random.default_rng(1), len(robot.joints)
+    samples = []
+    for k in range(count):
+        w, noise, v_S, h_given = random.standard_normal((4, 3))
+        x_WB = random_quaternion(random)
+        if robot.motion == "planar":
+            w[:2] = noise[:2] = x_WB[:2] = 0.0
+            x_WB /= np.linalg.norm(x_WB)
+        q, qd = random.standard_normal((2, joints))
+        qd_rw = 10.0 * random.standard_normal(len(robot.wheels))
+        smooth = w + 0.1 * noise
+        samples.append(Sample(0.1 * k, q, qd, w, x_WB, qd_rw, v_S, smooth, h_given))
+    return samples

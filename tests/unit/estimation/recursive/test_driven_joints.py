@@ -10,12 +10,18 @@ from hypothesis import strategies as st
 from random_robots import (
     random_parents,
     random_planar_robot,
-    random_quaternion,
     random_robot,
     random_wheels,
 )
+from recorded_samples import random_samples
 from reference.driven_joints import forgotten, gained, momentum_rows
-from reference.filter_step import axes_of, laws, transition, white_equations
+from reference.filter_step import (
+    axes_of,
+    information,
+    laws,
+    transition,
+    white_equations,
+)
 
 from orbident.estimation.recursive.driven_joints import DrivenJoints
 from orbident.estimation.recursive.filter import (
@@ -31,30 +37,16 @@ from orbident.robot.description import Robot
 pytestmark = pytest.mark.core
 
 
-def random_samples(robot: Robot, count: int, driven: int, random) -> list[Sample]:
-    """What no robot does, but the equations are the same."""
-    samples, joints = [], len(robot.joints)
-    for k in range(count):
-        w, noise, v_S, h_given = random.standard_normal((4, 3))
-        x_WB = random_quaternion(random)
-        if robot.motion == "planar":
-            w[:2] = noise[:2] = x_WB[:2] = 0.0
-            x_WB /= np.linalg.norm(x_WB)
-        q, qd = random.standard_normal(joints), random.uniform(-0.2, 1.0, joints)
+def driven_samples(robot: Robot, count: int, driven: int, random) -> list[Sample]:
+    """Some rates turn back, some torques are missing, and once there is a gap."""
+    samples = []
+    for k, sample in enumerate(random_samples(robot, count)):
         impulse = random.standard_normal(driven)
         impulse[random.uniform(size=driven) < 0.1] = np.nan
-        t = 0.1 * k + (0.5 if k > count / 2 else 0.0)
-        qd_rw, smooth = (
-            10.0 * random.standard_normal(len(robot.wheels)),
-            w + 0.1 * noise,
-        )
-        samples.append(Sample(t, q, qd, w, x_WB, qd_rw, v_S, smooth, h_given, impulse))
+        qd = random.uniform(-0.2, 1.0, sample.qd.size)
+        t = sample.t + (0.5 if k > count / 2 else 0.0)
+        samples.append(sample._replace(t=t, qd=qd, impulse=impulse))
     return samples
-
-
-def information(rows: np.ndarray, eliminated: int) -> np.ndarray:
-    R = np.asarray(np.linalg.qr(rows, mode="r"))[eliminated:, eliminated:]
-    return R.T @ R
 
 
 @settings(max_examples=20, deadline=None)
@@ -92,7 +84,7 @@ def test_one_step(
         driven=DrivenJoints(table, 0.3),
     )
     kalman, sets = Extended.of(robot, stds), minimal_sets(robot)
-    every = random_samples(robot, len(sets.pi_of_beta) + 4, which.size, random)
+    every = driven_samples(robot, len(sets.pi_of_beta) + 4, which.size, random)
     beta = sets.beta(robot.theta)
     prior = GaussianPrior(beta, np.diag(1.0 / (0.3 * np.abs(beta) + 0.1)))
     state = kalman.start(prior, every[0])

@@ -14,12 +14,17 @@ from random_motions import random_motion
 from random_robots import (
     random_parents,
     random_planar_robot,
-    random_quaternion,
     random_robot,
     random_wheels,
 )
-from recorded_samples import stream
-from reference.filter_step import axes_of, laws, transition, white_equations
+from recorded_samples import random_samples, stream
+from reference.filter_step import (
+    axes_of,
+    information,
+    laws,
+    transition,
+    white_equations,
+)
 
 from orbident.estimation.recursive.filter import (
     Extended,
@@ -98,12 +103,6 @@ def one_step(name: str, before: int) -> Case:
         state, _ = kalman.step(state, sample)
     after, info = kalman.step(state, every[before])
     return Case(robot, kalman, state, every[before], after, info)
-
-
-def information(rows: np.ndarray, eliminated: int) -> np.ndarray:
-    """`A^T A` of `[A | b]` with the first unknowns eliminated."""
-    R = np.asarray(np.linalg.qr(rows, mode="r"))[eliminated:, eliminated:]
-    return R.T @ R
 
 
 def check_close(found: np.ndarray, expected: np.ndarray) -> None:
@@ -207,23 +206,6 @@ def tree(seed: int, slides: list[bool], planar: bool, massless: bool) -> Robot:
     if massless:
         theta[1 + seed % joints] = 0.0
     return replace(robot, theta=theta)
-
-
-def random_samples(robot: Robot, count: int) -> list[Sample]:
-    """What no robot does, but the equations are the same."""
-    random, joints = np.random.default_rng(1), len(robot.joints)
-    samples = []
-    for k in range(count):
-        w, noise, v_S, h_given = random.standard_normal((4, 3))
-        x_WB = random_quaternion(random)
-        if robot.motion == "planar":
-            w[:2] = noise[:2] = x_WB[:2] = 0.0
-            x_WB /= np.linalg.norm(x_WB)
-        q, qd = random.standard_normal((2, joints))
-        qd_rw = 10.0 * random.standard_normal(len(robot.wheels))
-        smooth = w + 0.1 * noise
-        samples.append(Sample(0.1 * k, q, qd, w, x_WB, qd_rw, v_S, smooth, h_given))
-    return samples
 
 
 @settings(max_examples=25, deadline=None)
