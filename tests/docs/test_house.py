@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 309,
-    "lines": 65_402,
+    "lines": 65_409,
     "files of estimation": 57,
-    "lines of estimation": 13_608,
+    "lines of estimation": 13_615,
     "files with one user": 63,
     "imports below each other": 31,
     "numbers without a reason": 38,

@@ -224,7 +224,7 @@ def test_identified_by_other_methods(method):
 @pytest.mark.long
 @pytest.mark.parametrize("method", ["structured", "recursive"])
 def test_intervals_of_other_methods_hold(method):
-    """Of 20 flights with wheels."""
+    """In 20 flights with wheels 95 % of the base parameters are in their intervals."""
     off = np.concatenate([by_other(method, seed)[1] for seed in range(20)])
     assert np.mean(np.abs(off) < 1.96) == pytest.approx(0.95, abs=0.05)
 

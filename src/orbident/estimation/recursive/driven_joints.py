@@ -38,15 +38,16 @@ class DrivenJoints(NamedTuple):
     """Joints whose torque is measured, as the core takes them."""
 
     table: Float[np.ndarray, "driven 13"]
-    """Of each its number, the walk of its momentum (N m s/sqrt(s)), the rate below
-    which it may stand, and what its torque drives, as it is known and how surely:
-    armature, viscous and Coulomb friction, offset, and the scale of its sensor; SI."""
+    """A row has a joint's number in the robot, how fast noise of its torque makes its
+    momentum walk (N m s/sqrt(s)), and the rate below which it may stand; then armature,
+    viscous and Coulomb friction, offset and error of the sensor's scale, as they are
+    known beforehand, and the standard deviations of these five; SI."""
     longest: float
     """s from sample to sample over which a torque is followed."""
 
 
 NO_TORQUES = DrivenJoints(np.zeros((0, 13)), 0.0)
-"""Of a recording without torques."""
+"""No joint has a torque that is measured."""
 
 
 class Torques(NamedTuple):
@@ -83,6 +84,7 @@ def torques_of(
     behind = delays(robot, recording, late)[TORQUES]
     parts, impulses = list[list[float]](), list[np.ndarray]()
     declared, t = driven_by(robot), samples.t
+    longest = LONGEST * float(np.median(np.diff(t)))
     errors = {
         each.name: each.std
         for each in calibrations_of(robot, [torque_column(name) for name in shown])
@@ -105,10 +107,9 @@ def torques_of(
         )
         known = [*declared[k], 0.0]
         parts.append([k, std * np.sqrt(dt), still, *known, *drives, scale])
-        impulses.append(_impulse(t, at, torque, dt))
+        impulses.append(_impulse(t, at, torque, longest))
     if not parts:
         return Torques(NO_TORQUES, np.zeros((t.size, 0)))
-    longest = LONGEST * float(np.median(np.diff(t)))
     return Torques(
         DrivenJoints(np.array(parts, dtype=float), longest), np.column_stack(impulses)
     )
@@ -125,12 +126,18 @@ def _impulse(
     t: Float[np.ndarray, " samples"],
     at: Float[np.ndarray, " n"],
     torque: Float[np.ndarray, " n"],
-    dt: float,
+    longest: float,
 ) -> Float[np.ndarray, " samples"]:
-    """The integral of a torque until each sample, N m s."""
+    """The integral of a torque until each sample, N m s.
+
+    It is NaN where a spline runs through a gap, and for `longest` (s) behind it: so
+    long a step may be, and whichever sample comes first is none that a torque leads to.
+    """
     impulse = CubicSpline(at, torque).antiderivative()(t)
     impulse[(t < at[0]) | (t > at[-1])] = np.nan
-    # A spline through a gap is not what the torque was there.
-    gaps = at[1:][np.diff(at) > LONGEST * dt]
-    impulse[np.diff(np.searchsorted(gaps, t, "right"), prepend=0) > 0] = np.nan
+    step = np.diff(at)
+    gap = step > LONGEST * np.median(step)
+    begun = np.searchsorted(at[:-1][gap], t, "left")
+    ended = np.searchsorted(at[1:][gap] + longest, t, "right")
+    impulse[begun > ended] = np.nan
     return impulse

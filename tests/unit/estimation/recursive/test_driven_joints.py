@@ -3,10 +3,13 @@
 The reference is `reference/driven_joints.py`.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_motions import random_motion
 from random_robots import (
     random_parents,
     random_planar_robot,
@@ -23,7 +26,7 @@ from reference.filter_step import (
     white_equations,
 )
 
-from orbident.estimation.recursive.driven_joints import DrivenJoints
+from orbident.estimation.recursive.driven_joints import DrivenJoints, torques_of
 from orbident.estimation.recursive.filter import (
     Extended,
     GaussianPrior,
@@ -32,7 +35,11 @@ from orbident.estimation.recursive.filter import (
 )
 from orbident.estimation.recursive.filter_input import Noise
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import TorqueSpec
+from orbident.simulation.simulate import simulate
 
 pytestmark = pytest.mark.core
 
@@ -116,5 +123,28 @@ def test_one_step(
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     # The last row is the residual, which the innovation has the new part of.
     assert np.abs((found - expected) / scale)[:-1].max() < 1e-8
-    # A change is told by the laws alone.
+    # Changes of the robot are seen by the innovation, which has no rows of torques.
     assert info.dof == len(own.rows) == len(info.white)
+
+
+def test_a_gap_between_torques_is_not_bridged():
+    """No impulse is known inside it, nor until a step from before it would be long."""
+    robot = load_robot("paper-spatial")
+    shown = robot.sensors.model_copy(update={"torques": TorqueSpec(std=1e-6)})
+    robot = replace(robot, sensors=shown)
+    motion = random_motion(robot, duration=20.0)
+    flown = simulate(robot, motion, rate=20.0, noise="sensors")
+    name = f"joint.{robot.joint_names[0]}.torque"
+    torque, gap = flown.columns[name].copy(), slice(100, 161)
+    torque[gap] = np.nan
+    recording = flown.with_columns({name: torque})
+    found = torques_of(robot, recording, samples_of(robot, recording), {})
+    assert found.driven.table[:, 0].tolist() == [0.0, 1.0, 2.0]
+    unknown = np.isnan(found.impulses[:, 0])
+    # Steps of up to two and a half rows are followed.
+    assert np.flatnonzero(unknown).tolist() == [*range(100, 164)]
+    assert np.isfinite(found.impulses[:, 1:]).all()
+    steps = np.diff(flown.t) * (torque[1:] + torque[:-1]) / 2
+    known = ~unknown[1:] & ~unknown[:-1]
+    gained, scale = np.diff(found.impulses[:, 0])[known], np.abs(steps[known]).max()
+    np.testing.assert_allclose(gained, steps[known], atol=0.02 * scale)
